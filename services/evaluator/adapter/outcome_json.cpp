@@ -194,6 +194,9 @@ Json ToJson(const Outcome& outcome) {
                      {"clusters", count.clusters},
                      {"voxels", count.voxels}});
   }
+  Json& tight_ways = json["tight_ways"] = Json::array();
+  for (const auto& [place_W, area] : outcome.end.ending.tight_ways)
+    tight_ways.push_back({{"place", {place_W.x(), place_W.y(), place_W.z()}}, {"area_m2", area}});
   if (outcome.likeness) json["likeness"] = *outcome.likeness;
   if (outcome.own_pose) {
     const OwnPose::Figures& own = *outcome.own_pose;
@@ -250,6 +253,11 @@ Result<Outcome> OutcomeFromJson(const nlohmann::json& json) try {
     const auto aside = explorer::AsideReasonNamed(why);
     if (!aside) return Error{"set aside for the unknown reason \"" + why + "\""};
     outcome.set_aside.push_back({*aside, entry.at("doubtful"), entry.at("clusters"), entry.at("voxels")});
+  }
+  for (const auto& way : json.at("tight_ways")) {
+    const auto place_W = way.at("place").get<std::array<double, 3>>();
+    outcome.end.ending.tight_ways.push_back(
+        {Eigen::Vector3d(place_W[0], place_W[1], place_W[2]), way.at("area_m2")});
   }
   if (json.contains("likeness")) outcome.likeness = json.at("likeness").get<double>();
   if (json.contains("own_pose")) {

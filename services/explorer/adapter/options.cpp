@@ -46,6 +46,7 @@ void Visit(OptionVisitor& visitor, Explorer::Options& options) {
     loop.Switch("pull_straight", options.loop.pull_straight);
     loop.Switch("face_target", options.loop.face_target);
     loop.Switch("wait_at_shut_ways", options.loop.wait_at_shut_ways);
+    loop.Switch("go_tight_ways", options.loop.go_tight_ways);
   });
   visitor.Choice("minimize", options.minimize, {{"PATH", Minimize::kPath}, {"TIME", Minimize::kTime}});
   Visit(visitor, options.strategy);

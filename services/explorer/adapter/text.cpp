@@ -12,6 +12,7 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr double kTurning = 0.05;  // [m] A plan with a shorter path only turns the robot.
+constexpr std::size_t kNamedWays = 3;
 
 /// Formats the target as "3 unknown voxels", "2 doubtful voxels" or "3 unknown and 2 doubtful voxels".
 std::string TargetText(const Plan& plan) {
@@ -26,6 +27,20 @@ std::string TargetText(const Plan& plan) {
 
 std::string FrontiersText(const Plan& plan) {
   return plan.frontiers == 1 ? "the last frontier known" : fmt::format("one of {} frontiers", plan.frontiers);
+}
+
+std::string TightWaysText(const std::vector<Ending::TightWay>& ways) {
+  double area = 0.0;
+  std::vector<std::string> places;
+  for (const auto& [place_W, its] : ways) {
+    area += its;
+    if (places.size() < kNamedWays) places.push_back(PointText(place_W));
+  }
+  if (ways.size() > kNamedWays) places.push_back(fmt::format("{} more", ways.size() - kNamedWays));
+  return fmt::format(
+      "{:.2f} m2 of it can be seen only through {} where the body fits, but not with "
+      "explorer.safety_margin_m: {}",
+      area, ways.size() == 1 ? "a gap" : "gaps", fmt::join(places, ", "));
 }
 
 std::string SideText(ShutIn::Side side) {
@@ -145,6 +160,7 @@ std::string DetailsText(const Ending& ending, double sensor_range) {
                                     places.size() == 1 ? "a way that was open" : "ways that were open",
                                     fmt::join(places, ", ")));
     }
+    if (!ending.tight_ways.empty()) details.push_back(TightWaysText(ending.tight_ways));
     if (ending.outcome == Outcome::kTooMuchUnknown) {
       details.push_back(
           fmt::format("does the sensor's range of {:.1f} m end before the surfaces do?", sensor_range));

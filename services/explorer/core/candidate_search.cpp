@@ -6,6 +6,7 @@
 
 #include "common/base/stopwatch.h"
 #include "services/explorer/core/path/shut_in.h"
+#include "services/explorer/core/unseen.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -114,31 +115,15 @@ void CandidateSearch::FindFromPart(const PathSearch::Start& start, bool must_kno
 }
 
 CandidateSearch::Hidden CandidateSearch::FindHidden(const Knowledge& knowledge) const {
-  const DenseGrid<std::uint8_t>& set_aside = knowledge.memory().set_aside();
-  const std::vector<VoxelChange> changes = AsIfFree(knowledge.map(), set_aside);
+  const std::vector<VoxelChange> changes = AsIfFree(knowledge.map(), knowledge.memory().set_aside());
   if (changes.empty()) return {};
-  DenseGrid<std::uint8_t> all_but_out_of_sight(set_aside.box(), 0);
-  for (std::size_t k = 0; k < set_aside.size(); ++k) {
-    const VoxelIndex i = set_aside.IndexAt(k);
-    const bool out_of_sight = set_aside[i] == static_cast<std::uint8_t>(AsideReason::kOutOfSight);
-    all_but_out_of_sight[i] = out_of_sight ? 0 : 1;
-  }
-  const FrontierOptions every{.min_area = 0.0, .extent = options_.frontier.extent};
-  const Frontiers out_of_sight = FindFrontiers(knowledge.map(), all_but_out_of_sight, every);
   PlanningMap map = knowledge.map();
   map.Apply(changes);
-  PathSearch search;
-  search.Flood(map, search_.start());
   Hidden hidden;
-  for (const Cluster& cluster : out_of_sight.clusters) {
-    if (cluster.doubtful) continue;
-    const std::vector<VoxelIndex> goals = goal_finder_.GoalsOf(cluster, map, search, knowledge.views());
-    if (goals.empty()) continue;
-    hidden.voxels += cluster.unknowns.size();
-    const std::vector<VoxelIndex> path = search.PathTo(goals.front());
-    const auto bar = std::ranges::find_if(path, [&](const VoxelIndex& i) { return !search_.Reached(i); });
-    if (bar != path.end() && std::ranges::find(hidden.bars, *bar) == hidden.bars.end())
-      hidden.bars.push_back(*bar);
+  for (const Unseen& unseen : FindUnseen(map, knowledge, search_, goal_finder_, options_.frontier.extent)) {
+    hidden.voxels += unseen.cluster.unknowns.size();
+    const std::optional<VoxelIndex> bar = unseen.Bar();
+    if (bar && std::ranges::find(hidden.bars, *bar) == hidden.bars.end()) hidden.bars.push_back(*bar);
   }
   return hidden;
 }

@@ -1,6 +1,7 @@
 #include "services/explorer/core/frontier_report.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -35,6 +36,15 @@ std::size_t UnknownOf(std::span<const Candidate> candidates) {
     if (!candidate.cluster.doubtful) voxels += candidate.cluster.unknowns.size();
   }
   return voxels;
+}
+
+/// As a share of what is known, in voxels.
+constexpr double kMostBehindTightWays = 0.01;
+
+double KnownVoxels(const PlanningMap& map) {
+  const std::span states(map.states().data(), map.states().size());
+  return static_cast<double>(states.size()) -
+         static_cast<double>(std::ranges::count(states, VoxelState::kUnknown));
 }
 
 double Share(std::size_t part, std::size_t all) {
@@ -96,7 +106,8 @@ double ShareOfBorder(const Knowledge& knowledge, std::span<const Candidate> cand
 }
 
 Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share,
-                             const CandidateSearch& search, std::span<const ShutWays::Way> shut) {
+                             const CandidateSearch& search, std::span<const ShutWays::Way> shut,
+                             std::span<const TightWay> tight) {
   const PlanningMap& map = knowledge.map();
   OpenBorder border = FindOpenBorder(map, knowledge.memory().set_aside());
   const double face = map.voxel_size() * map.voxel_size();  // [m^2] per voxel
@@ -116,7 +127,15 @@ Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share
     ending.hidden_area = static_cast<double>(hidden.voxels) * face;
     ending.bars = std::move(hidden.bars);
   }
-  if (border.missed_share() > max_missed_share) ending.outcome = Outcome::kTooMuchUnknown;
+  double behind_tight = 0.0;  // [m^2]
+  for (const TightWay& way : tight) {
+    behind_tight += way.area;
+    ending.tight_ways.push_back({way.place_W, way.area});
+  }
+  std::ranges::stable_sort(ending.tight_ways, std::greater<>(), &Ending::TightWay::area);
+  if (border.missed_share() > max_missed_share ||
+      behind_tight > kMostBehindTightWays * KnownVoxels(map) * face)
+    ending.outcome = Outcome::kTooMuchUnknown;
   const std::vector<Candidate>& left = search.candidates();
   if (!left.empty()) {
     std::size_t& never_aside = border.unknown[AsideReason::kNone];

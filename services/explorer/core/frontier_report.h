@@ -9,6 +9,7 @@
 #include "services/explorer/core/outcome.h"
 #include "services/explorer/core/shut_ways.h"
 #include "services/explorer/core/strategy/strategy.h"
+#include "services/explorer/core/tight_ways.h"
 
 namespace thalweg::explorer {
 
@@ -46,8 +47,11 @@ std::vector<SetAsideCount> CountSetAside(const Knowledge& knowledge, const Front
 /// the exploration complete.
 /// @param max_missed_share  Share of the border of free space (OpenBorder).
 /// @param search  Its candidates are those that the strategy found not worth the path.
+/// @param tight   The exploration is not complete if what could be seen by these is more than 1 % of what is
+///                known, in voxels.
 Ending EndingWithNothingLeft(const Knowledge& knowledge, double max_missed_share,
-                             const CandidateSearch& search, std::span<const ShutWays::Way> shut = {});
+                             const CandidateSearch& search, std::span<const ShutWays::Way> shut = {},
+                             std::span<const TightWay> tight = {});
 /// Share of the candidates' unknown voxels in the border of free space.
 double ShareOfBorder(const Knowledge& knowledge, std::span<const Candidate> candidates);
 

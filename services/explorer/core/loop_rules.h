@@ -7,7 +7,7 @@ namespace thalweg::explorer {
 /// What the loop around every strategy does beyond the one that the source thesis prints: scan, map, choose,
 /// move to the end, again, until no frontier is left. With all of them off it is that loop
 /// [docs/decisions/0042]. A strategy that goes by views is not subject to looking around, setting aside,
-/// stopping short, keeping off and waiting at shut ways.
+/// stopping short, keeping off, waiting at shut ways and going tight ways.
 struct LoopRules {
   enum class Set : std::uint8_t { kOurs, kPrinted };
   static constexpr LoopRules Of(Set set);
@@ -25,6 +25,8 @@ struct LoopRules {
   /// the end of a path to where a strategy takes a view.
   bool face_target = true;
   bool wait_at_shut_ways = true;  ///< Watches a way that was open and is shut before the end.
+  /// Before the end, goes through gaps that are wide enough, but have no voxel's center in their middle.
+  bool go_tight_ways = true;
 };
 
 constexpr LoopRules LoopRules::Of(Set set) {
@@ -38,7 +40,8 @@ constexpr LoopRules LoopRules::Of(Set set) {
           .keep_off = on,
           .pull_straight = on,
           .face_target = on,
-          .wait_at_shut_ways = on};
+          .wait_at_shut_ways = on,
+          .go_tight_ways = on};
 }
 
 }  // namespace thalweg::explorer

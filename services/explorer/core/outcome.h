@@ -61,6 +61,13 @@ struct Ending {
   /// [m^2] What could be seen if ways were open that are shut and were not (ShutWays).
   double shut_area = 0.0;
   std::vector<Eigen::Vector3d> shut_ways_W = {};  ///< [m] Where they are.
+  /// What could be seen by ways that only fit the body without its safety margin (FindTightWays), the largest
+  /// first.
+  struct TightWay {
+    Eigen::Vector3d place_W{0, 0, 0};  ///< [m] Where it becomes too narrow.
+    double area = 0.0;                 ///< [m^2] What could be seen.
+  };
+  std::vector<TightWay> tight_ways = {};
   /// Frontiers that the robot could have gone to see, which the strategy found not worth the path.
   std::size_t left_frontiers = 0;
   double left_area = 0.0;  ///< [m^2] Theirs, not among the missed.

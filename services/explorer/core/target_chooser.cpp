@@ -61,6 +61,7 @@ TargetChooser::TargetChooser(const ExplorerOptions& options, Knowledge& knowledg
 void TargetChooser::Reset(Knowledge& knowledge) {
   inspection_.Follow(*strategy_, knowledge);
   shut_ways_.Clear();
+  gone_tight_way_ = false;
 }
 
 std::optional<Error> TargetChooser::UseStrategy(std::string_view name, Knowledge& knowledge) try {
@@ -133,9 +134,11 @@ Task TargetChooser::DecideWithoutCandidates(const Moment& moment) {
     if (!spent) return Inspect(*view, moment);
   }
   if (spent) return Ended(OutcomeOf(*spent));
-  if (!moment.finds_itself && IsShutIn(moment.map(), search_.search())) {
+  // A robot that has gone a tight way reaches less than half from where it is, and is not shut in.
+  if (!moment.finds_itself && !gone_tight_way_ && IsShutIn(moment.map(), search_.search())) {
     std::optional<Task> task = LookAtBar(search_.FindHidden(moment.knowledge).bars, moment);
     if (!task) task = WatchShutWay(FindShutWays(moment), moment);
+    if (!task) task = GoTightWay(FindTightWays(moment), moment);
     return task ? *std::move(task) : EndedShutIn(moment);
   }
   return EndOrLookAtBar(moment);
@@ -222,9 +225,37 @@ std::optional<Task> TargetChooser::WatchShutWay(const std::vector<ShutWays::Way>
   return std::nullopt;
 }
 
+std::vector<TightWay> TargetChooser::FindTightWays(const Moment& moment) const {
+  if (moment.finds_itself) return {};
+  return explorer::FindTightWays(moment.knowledge, search_.search(), moment.p_W(), options_.robot.radius,
+                                 GoalFinder(options_.look_range, moment.map().voxel_size()),
+                                 options_.frontier.extent);
+}
+
+std::optional<Task> TargetChooser::GoTightWay(const std::vector<TightWay>& ways, const Moment& moment) {
+  // The path home is one from voxel to voxel.
+  if (!options_.loop.go_tight_ways || moment.mission.returns_home()) return std::nullopt;
+  for (const TightWay& way : ways) {
+    const double length = PathLength(way.path_W);
+    if (way.path_W.empty() || way.area < options_.frontier.min_area ||
+        moment.mission.TooFar(moment.map(), length, way.path_W.back(), moment.now))
+      continue;
+    const std::vector<Candidate> candidates = {
+        {.cluster = way.nearest, .goals = {moment.map().IndexOf(way.path_W.back())}, .length = length}};
+    gone_tight_way_ = true;
+    // It is in sight from there; what is still not seen then was visited in vain.
+    moment.knowledge.memory().Release(AsideReason::kOutOfSight, way.nearest.unknowns);
+    return moment.make.See({.candidate = 0, .path_W = way.path_W}, candidates, moment.T_WB, moment.timings,
+                           Approach::kNearest);
+  }
+  return std::nullopt;
+}
+
 Task TargetChooser::EndOrLookAtBar(const Moment& moment) {
   const std::vector<ShutWays::Way> shut = FindShutWays(moment);
-  Ending ending = EndingWithNothingLeft(moment.knowledge, options_.max_missed_share, search_, shut);
+  const std::vector<TightWay> tight = FindTightWays(moment);
+  if (std::optional<Task> task = GoTightWay(tight, moment)) return *std::move(task);
+  Ending ending = EndingWithNothingLeft(moment.knowledge, options_.max_missed_share, search_, shut, tight);
   if (!moment.finds_itself && ending.outcome == Outcome::kTooMuchUnknown) {
     if (std::optional<Task> task = LookAtBar(ending.bars, moment)) return *std::move(task);
   }

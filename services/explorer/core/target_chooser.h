@@ -15,6 +15,7 @@
 #include "services/explorer/core/shut_ways.h"
 #include "services/explorer/core/surface_inspection.h"
 #include "services/explorer/core/task_maker.h"
+#include "services/explorer/core/tight_ways.h"
 
 namespace thalweg::explorer {
 
@@ -24,7 +25,8 @@ namespace thalweg::explorer {
 /// of the border of free space; if it is more, the nearest is next. Where too much stayed unknown for an
 /// exploration to be complete because unknown space bars the path that the robot looked into in vain or sees
 /// little of, it looks at the nearest of that from near. Where a way is shut that was open, it watches that
-/// for a while before the end (ShutWays).
+/// for a while before the end (ShutWays). Where gaps that only fit between voxels lead to more, it goes through
+/// them (FindTightWays).
 /// It ends at once where the strategy says that it does not apply, and a strategy that goes by views says
 /// itself when it has come to its end.
 /// Threading: one thread owns it.
@@ -95,6 +97,10 @@ class TargetChooser {
   std::optional<Task> WatchShutWay(const std::vector<ShutWays::Way>& ways, const Moment& moment);
   /// The ways that are shut, for a strategy that leaves finding frontiers to us.
   std::vector<ShutWays::Way> FindShutWays(const Moment& moment) const;
+  /// The tight ways, likewise.
+  std::vector<TightWay> FindTightWays(const Moment& moment) const;
+  /// Goes the first tight way on which the robot keeps its clearance; nothing if there is none.
+  std::optional<Task> GoTightWay(const std::vector<TightWay>& ways, const Moment& moment);
   /// The end, unless too much stayed unknown and what bars the path to it can still be looked at, or a way is
   /// to be watched.
   Task EndOrLookAtBar(const Moment& moment);
@@ -106,6 +112,7 @@ class TargetChooser {
   ExplorerOptions options_;
   CandidateSearch search_;
   ShutWays shut_ways_;
+  bool gone_tight_way_ = false;  ///< What it reached before may be out of reach.
   ErrandPlanner looks_;  ///< At what shuts a way.
   std::unique_ptr<Strategy> strategy_;
   std::size_t left_out_before_ = 0;  ///< By strategies before it.

@@ -147,6 +147,12 @@ std::size_t LookMemory::Release(AsideReason reason) {
   return released;
 }
 
+void LookMemory::Release(AsideReason reason, std::span<const VoxelIndex> voxels) {
+  for (const VoxelIndex& i : voxels) {
+    if (aside_.Get(i, 0) == static_cast<std::uint8_t>(reason)) aside_[i] = 0;
+  }
+}
+
 std::size_t LookMemory::Count(AsideReason reason) const {
   const std::uint8_t* const first = aside_.data();
   return static_cast<std::size_t>(

@@ -82,6 +82,8 @@ class LookMemory {
   std::size_t ReopenInVain(const VoxelBox& within);
   /// Makes all voxels set aside for this reason targets again. @return Number of voxels.
   std::size_t Release(AsideReason reason);
+  /// Makes those of these voxels targets again that are set aside for this reason.
+  void Release(AsideReason reason, std::span<const VoxelIndex> voxels);
 
   /// Number of voxels set aside for this reason.
   std::size_t Count(AsideReason reason) const;

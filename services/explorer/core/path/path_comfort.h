@@ -25,4 +25,12 @@ std::vector<Eigen::Vector3d> MakeComfortable(const PlanningMap& map,
                                              const std::vector<Eigen::Vector3d>& path_W,
                                              const PathComfort& options);
 
+/// As MakeComfortable, but over points at half the distance of the voxels' centers, so that a body also goes
+/// through the middle of a gap in which no voxel has its center. The given path may be narrower.
+/// @param path_W     From the robot to the center of a voxel, near to which the new path ends.
+/// @param clearance  [m] Kept from occupied and unknown voxels, but where the path begins nearer to one.
+/// @return Empty when there is no such path within `reach`.
+std::vector<Eigen::Vector3d> FindWiderPath(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W,
+                                           double clearance, const PathComfort& options);
+
 }  // namespace thalweg::explorer

@@ -123,7 +123,9 @@ void CloseBlocked(std::span<const std::uint16_t> blockers, std::uint32_t* costs)
 
 void PathSearch::Flood(const PlanningMap& map, const Start& start, std::span<const VoxelIndex> wanted) {
   voxel_size_ = map.voxel_size();
+  // Entries wait, sorted by cost, because their costs may lie farther apart than the buckets span.
   start_ = start;
+  std::ranges::stable_sort(start_, {}, &Entry::cost);
   if (!(costs_.box() == map.box())) costs_ = DenseGrid<std::uint32_t>(map.box(), kUnreached);
   OpenTraversable(map.blockers(), costs_.data());
   reached_ = 0;
@@ -143,15 +145,12 @@ void PathSearch::Flood(const PlanningMap& map, const Start& start, std::span<con
       moves[by].push_back({static_cast<std::int32_t>(jump), kNeighbors[m].cost, m});
     }
   }
-  // Entries wait, sorted by cost, because their costs may lie farther apart than the buckets span.
-  std::vector<Entry> entries = start;
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.cost < b.cost; });
-  auto entry = entries.begin();
+  auto entry = start_.begin();
   std::size_t waiting = 0;
   std::size_t known = 0;  // among those wanted
-  for (std::uint32_t cost = 0; waiting > 0 || entry != entries.end(); ++cost) {
+  for (std::uint32_t cost = 0; waiting > 0 || entry != start_.end(); ++cost) {
     std::vector<Step>& bucket = buckets_[cost % kBuckets];
-    for (; entry != entries.end() && entry->cost == cost; ++entry) {
+    for (; entry != start_.end() && entry->cost == cost; ++entry) {
       if (costs_[entry->voxel] <= cost) continue;
       costs_[entry->voxel] = cost;
       bucket.push_back({static_cast<std::uint32_t>(costs_.Offset(entry->voxel)), 26});
@@ -183,9 +182,8 @@ std::vector<VoxelIndex> PathSearch::PathTo(const VoxelIndex& goal) const {
   THALWEG_CHECK(Reached(goal));
   std::vector<VoxelIndex> path = {goal};
   const auto at_entry = [&] {
-    return std::any_of(start_.begin(), start_.end(), [&](const Entry& entry) {
-      return entry.voxel == path.back() && entry.cost == Cost(path.back());
-    });
+    const auto entries = std::ranges::equal_range(start_, Cost(path.back()), {}, &Entry::cost);
+    return std::ranges::find(entries, path.back(), &Entry::voxel) != entries.end();
   };
   while (!at_entry()) {
     const std::uint32_t cost = Cost(path.back());

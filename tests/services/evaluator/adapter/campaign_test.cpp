@@ -307,11 +307,14 @@ TEST_F(CampaignTest, MistakesAreRefusedBeforeAnyRun) {
 }
 
 TEST(OutcomeJson, IsReadBackToTheLastBitAndRefusedWhenItIsNone) {
-  const Outcome outcome = Scene("tiny").Run("closest", 4);
+  Outcome outcome = Scene("tiny").Run("closest", 4);
+  outcome.end.ending.tight_ways = {{{1.5, 0.1, 0.3}, 0.25}};
   const auto json = nlohmann::json::parse(ToJson(outcome).dump());
   const Result<Outcome> back = OutcomeFromJson(json);
   ASSERT_TRUE(back);
   EXPECT_EQ(ToJson(*back).dump(), ToJson(outcome).dump());
+  ASSERT_EQ(back->end.ending.tight_ways.size(), 1U);
+  EXPECT_EQ(back->end.ending.tight_ways[0].area, 0.25);
   auto lacking = json;
   lacking.erase("coverage");
   ASSERT_FALSE(OutcomeFromJson(lacking));

@@ -295,25 +295,67 @@ TEST_P(GapsInTheWarren, CompleteWithoutACollision) {
   EXPECT_GE(outcome.coverage, 0.97);
 }
 
-TEST(GapsAroundAPillar, EndBecauseOfIt) {
-  // A box that moves by a timetable of one place stands there.
-  const std::filesystem::path shipped = ScenarioFolder() / "warren.txtpb";
-  const std::string file = testing::TempDir() + "/warren_with_a_pillar.txtpb";
+/// A shipped scenario in whose world boxes stand, as parts that move by timetables of one place.
+/// @param boxes  World.moving's min_m and max_m
+Scene SceneWithBoxes(const std::string& name, const std::vector<std::string>& boxes,
+                     std::vector<std::string> overrides = {}) {
+  const std::filesystem::path shipped = ScenarioFolder() / (name + ".txtpb");
+  const std::string file = testing::TempDir() + "/" + name + "_with_boxes.txtpb";
   std::ostringstream read;
   read << std::ifstream(shipped).rdbuf();
   std::string text = read.str();
   const std::string begin = "world {";
-  text.replace(text.find(begin), begin.size(),
-               "world { moving { min_m { x: 10.1 y: 4.8 z: 0.03 } max_m { x: 10.5 y: 5.2 z: 1.9 } "
-               "places { time_s: 0 } }");
+  std::string world = begin;
+  for (const std::string& box : boxes) world += " moving { " + box + " places { time_s: 0 } }";
+  text.replace(text.find(begin), begin.size(), world);
   std::ofstream(file) << text;
-  const std::string world = (shipped.parent_path().parent_path() / "worlds/warren.obj").string();
+  overrides.push_back("world.file=" +
+                      (shipped.parent_path().parent_path() / ("worlds/" + name + ".obj")).string());
+  return Scene(file, overrides);
+}
+
+TEST(GapsAroundAPillar, EndBecauseOfIt) {
+  const Scene scene =
+      SceneWithBoxes("warren", {"min_m { x: 10.1 y: 4.8 z: 0.03 } max_m { x: 10.5 y: 5.2 z: 1.9 }"});
   for (int seed = 1; seed <= 2; ++seed) {
-    const Outcome outcome = Scene(file, {"world.file=" + world}).Run("gaps", seed);
+    const Outcome outcome = scene.Run("gaps", seed);
     EXPECT_EQ(ToText(outcome.end), "the strategy does not apply");
     EXPECT_EQ(outcome.collisions, 0);
     ASSERT_TRUE(outcome.end.ending.misfit_W);
     EXPECT_LT((outcome.end.ending.misfit_W->head<2>() - Eigen::Vector2d(10.3, 5.0)).norm(), 0.15);
+  }
+}
+
+/// The tiny room, divided by a wall with an opening as high as the room and 0.41 m wide. Between its voxels
+/// are 0.4 m, in which no center of a voxel keeps 0.2 m from both sides.
+Outcome RunInDividedRoom(double radius, bool goes) {
+  return SceneWithBoxes("tiny",
+                        {"min_m { x: 1.42 y: 0 z: 0 } max_m { x: 1.58 y: 1.095 z: 1.6 }",
+                         "min_m { x: 1.42 y: 1.505 z: 0 } max_m { x: 1.58 y: 2.5 z: 1.6 }"},
+                        {"robot.radius_m=" + std::to_string(radius),
+                         std::string("explorer.loop.go_tight_ways=") + (goes ? "true" : "false")})
+      .Run("closest", 0);
+}
+bool CrossedTheWall(const Outcome& outcome) {
+  return std::ranges::any_of(outcome.progress, [](const Outcome::Progress& at) { return at.p_W.x() > 1.8; });
+}
+
+TEST(GapBetweenVoxels, IsGoneThroughBeforeTheEnd) {
+  const Outcome outcome = RunInDividedRoom(0.15, true);
+  EXPECT_EQ(ToText(outcome.end), "complete");
+  EXPECT_TRUE(CrossedTheWall(outcome));
+  EXPECT_EQ(outcome.collisions, 0);
+  EXPECT_GT(outcome.least_clearance, 0.03);
+}
+
+TEST(GapBetweenVoxels, IsNamedWhereTheRobotDoesNotGoThrough) {
+  for (const bool margin_fits : {true, false}) {
+    const Outcome outcome = RunInDividedRoom(margin_fits ? 0.15 : 0.18, !margin_fits);
+    EXPECT_EQ(ToText(outcome.end), "incomplete: too much stayed unknown");
+    EXPECT_FALSE(CrossedTheWall(outcome));
+    ASSERT_FALSE(outcome.end.ending.tight_ways.empty());
+    const Eigen::Vector3d& place_W = outcome.end.ending.tight_ways.front().place_W;
+    EXPECT_LT((place_W.head<2>() - Eigen::Vector2d(1.5, 1.3)).norm(), 0.5);
   }
 }
 

@@ -143,6 +143,23 @@ TEST_F(FrontierReportTest, WhatIsHiddenIsMissedAsWellWhereTheEndingDependsOnIt) 
   EXPECT_EQ(end(144.0 / border - 1e-6).hidden_area, 0.0) << "what was tried in vain is too much already";
 }
 
+TEST_F(FrontierReportTest, WhatIsBehindTightWaysIsNamedAndMoreThanALittleOfItIsTooMuch) {
+  SetAside(0, 12, AsideReason::kOutOfSight);
+  // The room with its walls, but for the far end.
+  const double much = 0.01 * (62.0 * 14.0 * 14.0 - 14.0 * 14.0) * 0.01;  // [m^2]
+  const auto end = [&](double area) {
+    const std::vector<TightWay> ways = {{.place_W = {1.0, 2.0, 3.0}, .area = 0.25 * area},
+                                        {.place_W = {4.0, 5.0, 6.0}, .area = 0.75 * area}};
+    return EndingWithNothingLeft(knowledge_, 1.0, search_, {}, ways);
+  };
+  EXPECT_EQ(end(much - 1e-6).outcome, Outcome::kComplete);
+  const Ending ending = end(much + 1e-6);
+  EXPECT_EQ(ending.outcome, Outcome::kTooMuchUnknown);
+  ASSERT_EQ(ending.tight_ways.size(), 2U);
+  EXPECT_EQ(ending.tight_ways[0].place_W, Eigen::Vector3d(4.0, 5.0, 6.0)) << "the larger one first";
+  EXPECT_NEAR(ending.tight_ways[1].area, 0.25 * much, 1e-6);
+}
+
 TEST_F(FrontierReportTest, WhatWasNeverSetAsideWasTooSmall) {
   const Ending ending = EndingWithNothingLeft(knowledge_, 0.0, search_);
   EXPECT_EQ(ending.outcome, Outcome::kComplete);

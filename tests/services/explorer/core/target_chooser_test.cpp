@@ -12,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "services/explorer/core/aftermath.h"
 #include "tests/services/explorer/support/rooms.h"
 
 namespace thalweg::explorer {
@@ -538,6 +539,75 @@ TEST_F(TargetChooserTest, DoesNotLookAgainWhereWhatIsMissedIsLittleEnough) {
   ChoosingRobot robot(options_, test::RoomWithABar(34));
   GiveUpOnBar(34, AsideReason::kVisited, robot);
   EXPECT_EQ(test::EndOf(robot.Choose().plan), Outcome::kComplete);
+}
+
+/// A robot of 0.1 m radius that keeps 0.2 m, in the long room with a wall across it that has a square hole.
+class BeforeAHole : public TargetChooserTest {
+ protected:
+  BeforeAHole() {
+    options_.robot.radius = 0.1;
+    options_.safety_margin = 0.1;
+  }
+  static std::vector<VoxelChange> RoomWithAHole(int edge) {
+    std::vector<VoxelChange> changes = test::LongRoom();
+    for (const VoxelChange& change : test::BoxOf({{40, 0, 0}, {41, 12, 12}}, VoxelState::kOccupied))
+      changes.push_back(change);
+    for (const VoxelChange& change : test::BoxOf({{40, 4, 3}, {41, 4 + edge, 3 + edge}}, VoxelState::kFree))
+      changes.push_back(change);
+    return changes;
+  }
+  Task Choose(int edge) const { return ChoosingRobot(options_, RoomWithAHole(edge)).Choose(); }
+};
+
+TEST_F(BeforeAHole, ItGoesThroughOneThatIsWideEnoughInItsMiddleBeforeTheEnd) {
+  const Task task = Choose(4);
+  ASSERT_EQ(task.plan.purpose, Purpose::kSeeFrontier);
+  EXPECT_GT(task.plan.T_WBs.back().translation().x(), 4.3) << "beyond the wall";
+  EXPECT_FALSE(task.target.empty());
+  for (const VoxelIndex& i : task.target) EXPECT_EQ(i.x, 60);
+}
+
+TEST_F(BeforeAHole, WhatItGoesToSeeIsNoLongerOutOfSightSoThatAVisitInVainIsRemembered) {
+  ChoosingRobot robot(options_, RoomWithAHole(4));
+  const Task task = robot.Choose();
+  ASSERT_FALSE(task.target.empty());
+  RememberArrival(task, robot.knowledge, kStart);
+  for (const VoxelIndex& i : task.target)
+    EXPECT_EQ(robot.knowledge.memory().set_aside()[i], static_cast<std::uint8_t>(AsideReason::kVisited));
+}
+
+TEST_F(BeforeAHole, ItNamesOneThatOnlyTheBodyWithoutItsMarginFits) {
+  const Task task = Choose(3);
+  ASSERT_EQ(test::EndOf(task.plan), Outcome::kTooMuchUnknown);
+  ASSERT_THAT(task.plan.ending->tight_ways, SizeIs(1));
+  EXPECT_NEAR(task.plan.ending->tight_ways[0].area, 1.44, 1e-9);
+}
+
+TEST_F(BeforeAHole, ItIsNotShutInOnceItHasGoneThrough) {
+  options_.max_missed_share = 1.0;
+  ChoosingRobot robot(options_, RoomWithAHole(4));
+  const Task task = robot.Choose();
+  ASSERT_EQ(task.plan.purpose, Purpose::kSeeFrontier);
+  robot.T_WB = task.plan.T_WBs.back();
+  robot.knowledge.Update(test::FarWall(), {}, kStart);
+  EXPECT_EQ(test::EndOf(robot.Choose().plan), Outcome::kComplete)
+      << "with less than half of the room in reach";
+}
+
+TEST_F(BeforeAHole, ItSaysNothingOfOneThatTheBodyDoesNotFit) {
+  const Task task = Choose(1);
+  ASSERT_TRUE(task.plan.ending);
+  EXPECT_THAT(task.plan.ending->tight_ways, IsEmpty());
+}
+
+TEST_F(BeforeAHole, ItStaysWhereItsPathHomeIsKnownOrTheRuleIsOff) {
+  options_.return_home = true;
+  EXPECT_EQ(test::EndOf(Choose(4).plan), Outcome::kTooMuchUnknown);
+  options_.return_home = false;
+  options_.loop.go_tight_ways = false;
+  const Task task = Choose(4);
+  ASSERT_EQ(test::EndOf(task.plan), Outcome::kTooMuchUnknown);
+  EXPECT_THAT(task.plan.ending->tight_ways, SizeIs(1));
 }
 
 /// A robot that has begun to explore the long room, when a door is shut across it.

@@ -129,6 +129,17 @@ TEST_F(LookMemoryTest, TheFirstReasonStays) {
   EXPECT_FALSE(Aside());
 }
 
+TEST_F(LookMemoryTest, SomeVoxelsSetAsideForAReasonAreReleasedAlone) {
+  const VoxelIndex other{5, 5, 5};
+  const std::vector<VoxelIndex> voxels = {kVoxel, {20, 20, 20}};  // one outside what it covers
+  for (const VoxelIndex& i : {kVoxel, other}) memory_.SetAside(i, AsideReason::kOutOfSight, kNow);
+  memory_.Release(AsideReason::kVisited, voxels);
+  EXPECT_TRUE(Aside());
+  memory_.Release(AsideReason::kOutOfSight, voxels);
+  EXPECT_FALSE(Aside());
+  EXPECT_EQ(memory_.Count(AsideReason::kOutOfSight), 1U);
+}
+
 TEST_F(LookMemoryTest, ANewFreeNeighborReopensAtMostThreeTimes) {
   for (int chance = 0; chance < 3; ++chance) {
     SetAsideByLooks(kNow);

@@ -62,6 +62,71 @@ TEST(PathComfort, NoneAskedForIsNoneGiven) {
   EXPECT_EQ(MakeComfortable(map, along_W, {.distance = 0.0}), along_W);
 }
 
+/// Free space on both sides of a wall of two voxels with a square hole in it.
+PlanningMap WallWithAHole(int edge, double clearance) {
+  PlanningMap map({.voxel_size = kSize, .clearance = clearance, .bounds = {}});
+  map.Apply(test::BoxOf({{0, 0, 0}, {20, 20, 20}}, VoxelState::kFree));
+  map.Apply(test::BoxOf({{22, 0, 0}, {42, 20, 20}}, VoxelState::kFree));
+  map.Apply(test::BoxOf({{20, 8, 8}, {22, 8 + edge, 8 + edge}}, VoxelState::kFree));
+  return map;
+}
+
+/// Through the hole, from center to center of voxels.
+std::vector<Eigen::Vector3d> ThroughHole() {
+  std::vector<Eigen::Vector3d> path_W;
+  for (int x = 12; x < 30; ++x) path_W.emplace_back((x + 0.5) * kSize, 0.95, 0.95);
+  return path_W;
+}
+
+TEST(PathComfort, AWiderPathGoesThroughTheMiddleOfAGapWhereNoVoxelHasItsCenter) {
+  const PlanningMap map = WallWithAHole(4, 0.2);  // centers of voxels keep 0.15 m from a side
+  const std::vector<Eigen::Vector3d> path_W = ThroughHole();
+  ASSERT_FALSE(map.Traversable(map.IndexOf({2.05, 0.95, 0.95})));
+  for (const double distance : {0.0, 0.1}) {
+    const std::vector<Eigen::Vector3d> wider_W =
+        FindWiderPath(map, path_W, 0.2, {.distance = distance, .reach = 0.35, .price = 3.0});
+    ASSERT_FALSE(wider_W.empty());
+    EXPECT_EQ(wider_W.front(), path_W.front());
+    EXPECT_LE((wider_W.back() - path_W.back()).cwiseAbs().maxCoeff(), 0.5 * kSize + 1e-9);
+    EXPECT_GE(ClearanceOf(map, wider_W), 0.2 - 1e-6);
+    EXPECT_LT(PathLength(wider_W), PathLength(path_W) + 0.5);
+  }
+}
+
+TEST(PathComfort, WhereTheGapIsNarrowerThereIsNoWiderPath) {
+  EXPECT_TRUE(FindWiderPath(WallWithAHole(3, 0.2), ThroughHole(), 0.2, kComfort).empty());
+  EXPECT_FALSE(FindWiderPath(WallWithAHole(3, 0.2), ThroughHole(), 0.15, kComfort).empty());
+  EXPECT_TRUE(FindWiderPath(WallWithAHole(3, 0.2), ThroughHole(), 0.16, kComfort).empty());
+}
+
+TEST(PathComfort, AWiderPathStaysWithinTheBoundsAndOutOfNoGoBoxes) {
+  const std::vector<Eigen::Vector3d> path_W = ThroughHole();
+  PlanningMap map = WallWithAHole(4, 0.2);
+  map.SetNoGo({{Eigen::Vector3d(2.05, 0.85, 0.85), Eigen::Vector3d(2.15, 0.88, 0.88)}});
+  EXPECT_TRUE(FindWiderPath(map, path_W, 0.2, kComfort).empty());
+  // The hole's middle is above the bounds, within which the body would touch its lower side.
+  PlanningMap bounded(
+      {.voxel_size = kSize,
+       .clearance = 0.2,
+       .bounds = Eigen::AlignedBox3d(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(4.2, 2, 0.9))});
+  bounded.Apply(test::BoxOf({{0, 0, 0}, {42, 20, 20}}, VoxelState::kFree));
+  bounded.Apply(test::BoxOf({{20, 0, 0}, {22, 20, 8}}, VoxelState::kOccupied));
+  EXPECT_TRUE(FindWiderPath(bounded, path_W, 0.2, kComfort).empty());
+}
+
+TEST(PathComfort, ARobotThatDrivesStaysInItsPlaneOnAWiderPath) {
+  PlanningMap map({.voxel_size = kSize, .clearance = 0.2, .half_height = 0.2, .bounds = {}});
+  map.SetPlane(1.0);
+  map.Apply(test::BoxOf({{0, 0, 0}, {20, 20, 20}}, VoxelState::kFree));
+  map.Apply(test::BoxOf({{22, 0, 0}, {42, 20, 20}}, VoxelState::kFree));
+  map.Apply(test::BoxOf({{20, 8, 0}, {22, 12, 20}}, VoxelState::kFree));
+  std::vector<Eigen::Vector3d> path_W = ThroughHole();
+  for (Eigen::Vector3d& p_W : path_W) p_W.z() = map.CenterOf(map.IndexOf({0.0, 0.0, 1.0})).z();
+  const std::vector<Eigen::Vector3d> wider_W = FindWiderPath(map, path_W, 0.2, kComfort);
+  ASSERT_FALSE(wider_W.empty());
+  for (const Eigen::Vector3d& p_W : wider_W) EXPECT_EQ(map.IndexOf(p_W).z, map.IndexOf(path_W[0]).z);
+}
+
 class PathComfortOnRandomMaps : public testing::TestWithParam<unsigned> {};
 INSTANTIATE_TEST_SUITE_P(Seeds, PathComfortOnRandomMaps, testing::Range(1U, 9U));
 
