@@ -29,18 +29,22 @@ std::string FrontiersText(const Plan& plan) {
   return plan.frontiers == 1 ? "the last frontier known" : fmt::format("one of {} frontiers", plan.frontiers);
 }
 
-std::string TightWaysText(const std::vector<Ending::TightWay>& ways) {
+double AreaOf(const std::vector<Ending::TightWay>& ways) {
   double area = 0.0;
+  for (const Ending::TightWay& way : ways) area += way.area;
+  return area;
+}
+
+std::string TightWaysText(const std::vector<Ending::TightWay>& ways) {
   std::vector<std::string> places;
-  for (const auto& [place_W, its] : ways) {
-    area += its;
-    if (places.size() < kNamedWays) places.push_back(PointText(place_W));
+  for (const Ending::TightWay& way : ways) {
+    if (places.size() < kNamedWays) places.push_back(PointText(way.place_W));
   }
   if (ways.size() > kNamedWays) places.push_back(fmt::format("{} more", ways.size() - kNamedWays));
   return fmt::format(
       "{:.2f} m2 of it can be seen only through {} where the body fits, but not with "
       "explorer.safety_margin_m: {}",
-      area, ways.size() == 1 ? "a gap" : "gaps", fmt::join(places, ", "));
+      AreaOf(ways), ways.size() == 1 ? "a gap" : "gaps", fmt::join(places, ", "));
 }
 
 std::string SideText(ShutIn::Side side) {
@@ -161,7 +165,8 @@ std::string DetailsText(const Ending& ending, double sensor_range) {
                                     fmt::join(places, ", ")));
     }
     if (!ending.tight_ways.empty()) details.push_back(TightWaysText(ending.tight_ways));
-    if (ending.outcome == Outcome::kTooMuchUnknown) {
+    const bool mostly_tight = AreaOf(ending.tight_ways) > 0.5 * ending.missed_area;
+    if (ending.outcome == Outcome::kTooMuchUnknown && !mostly_tight) {
       details.push_back(
           fmt::format("does the sensor's range of {:.1f} m end before the surfaces do?", sensor_range));
     }

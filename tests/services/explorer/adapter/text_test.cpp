@@ -95,6 +95,8 @@ TEST(PlanText, OfAnEndSaysWhatStayedUnknownAndWhy) {
       HasSubstr("0.44 m2 of it can be seen only through gaps where the body fits, but not with "
                 "explorer.safety_margin_m: (5.00, 6.00, 0.50), (6.00, 6.00, 0.50), (7.00, 6.00, 0.50), "
                 "2 more; does"));
+  plan.ending->tight_ways.push_back({{9.0, 9.0, 0.5}, 0.6});
+  EXPECT_THAT(PlanText(plan, 1.0), Not(HasSubstr("does the sensor's range"))) << "that is not why";
 }
 
 TEST(PlanText, OfAStrategyThatDoesNotApplySaysWhatShowsIt) {
