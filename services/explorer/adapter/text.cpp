@@ -42,8 +42,8 @@ std::string TightWaysText(const std::vector<Ending::TightWay>& ways) {
   }
   if (ways.size() > kNamedWays) places.push_back(fmt::format("{} more", ways.size() - kNamedWays));
   return fmt::format(
-      "{:.2f} m2 of it can be seen only through {} where the body fits, but not with "
-      "explorer.safety_margin_m: {}",
+      "{:.2f} m2 of it can be seen only through {} too narrow for the robot's paths, given "
+      "explorer.safety_margin_m and mapper.voxel_size_m: {}",
       AreaOf(ways), ways.size() == 1 ? "a gap" : "gaps", fmt::join(places, ", "));
 }
 

@@ -134,8 +134,9 @@ Task TargetChooser::DecideWithoutCandidates(const Moment& moment) {
     if (!spent) return Inspect(*view, moment);
   }
   if (spent) return Ended(OutcomeOf(*spent));
-  // A robot that has gone a tight way reaches less than half from where it is, and is not shut in.
-  if (!moment.finds_itself && !gone_tight_way_ && IsShutIn(moment.map(), search_.search())) {
+  // A robot that has gone a tight way may reach less than half from where it is, and is not shut in.
+  const bool beyond_tight_way = gone_tight_way_ && search_.search().reached_count() > 0;
+  if (!moment.finds_itself && !beyond_tight_way && IsShutIn(moment.map(), search_.search())) {
     std::optional<Task> task = LookAtBar(search_.FindHidden(moment.knowledge).bars, moment);
     if (!task) task = WatchShutWay(FindShutWays(moment), moment);
     if (!task) task = GoTightWay(FindTightWays(moment), moment);
@@ -237,7 +238,11 @@ std::optional<Task> TargetChooser::GoTightWay(const std::vector<TightWay>& ways,
   if (!options_.loop.go_tight_ways || moment.mission.returns_home()) return std::nullopt;
   for (const TightWay& way : ways) {
     const double length = PathLength(way.path_W);
-    if (way.path_W.empty() || way.area < options_.frontier.min_area ||
+    // The area of clusters that can also be seen by another way may be counted there.
+    const bool small =
+        way.area < options_.frontier.min_area &&
+        way.nearest.unknowns.size() < VoxelsOfArea(options_.frontier.min_area, moment.map().voxel_size());
+    if (way.path_W.empty() || small ||
         moment.mission.TooFar(moment.map(), length, way.path_W.back(), moment.now))
       continue;
     const std::vector<Candidate> candidates = {
@@ -245,8 +250,11 @@ std::optional<Task> TargetChooser::GoTightWay(const std::vector<TightWay>& ways,
     gone_tight_way_ = true;
     // It is in sight from there; what is still not seen then was visited in vain.
     moment.knowledge.memory().Release(AsideReason::kOutOfSight, way.nearest.unknowns);
-    return moment.make.See({.candidate = 0, .path_W = way.path_W}, candidates, moment.T_WB, moment.timings,
-                           Approach::kNearest);
+    Task task = moment.make.See({.candidate = 0, .path_W = way.path_W}, candidates, moment.T_WB,
+                                moment.timings, Approach::kNearest);
+    task.choice = {};  // which is none of the candidates that the search has found
+    task.plan.frontiers = search_.candidates().size() + 1;
+    return task;
   }
   return std::nullopt;
 }

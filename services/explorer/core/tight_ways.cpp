@@ -16,6 +16,7 @@ constexpr double kOneTightWay = 1.0;  // [m] Places nearer to each other than th
 constexpr double kBefore = 1.0;       // [m] This much of the path before a gap is planned with it.
 constexpr double kToTheMiddle = 1.0;  // [voxels] A path through it is wider by this, where it can be.
 constexpr double kAside = 2.0;        // [voxels] Off the path from voxel to voxel.
+constexpr double kSlimmest = 0.01;    // [voxels] Bodies below this block nothing.
 constexpr int kTries = 4;             // Paths searched for by one way, to different clusters.
 
 /// The path to something unseen, on which the body keeps `clearance`; empty if there is none.
@@ -65,7 +66,7 @@ std::vector<TightWay> FindTightWays(const Knowledge& knowledge, const PathSearch
   std::unordered_set<VoxelIndex, VoxelIndexHash> counted;
   // A body that fits somewhere has less space at the center of the voxel that is nearest.
   for (const double assumed : {radius, radius - 0.5 * map.voxel_size()}) {
-    if (!(assumed > 0.0) || assumed >= map.options().clearance) continue;
+    if (assumed < kSlimmest * map.voxel_size() || assumed >= map.options().clearance) continue;
     if (std::ranges::any_of(ways, [](const Way& its) { return !its.way.path_W.empty(); })) break;
     const PlanningMap other = map.WithClearance(assumed);
     for (const Unseen& unseen : FindUnseen(other, knowledge, search, goals, extent)) {

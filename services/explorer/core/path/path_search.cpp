@@ -182,6 +182,7 @@ std::vector<VoxelIndex> PathSearch::PathTo(const VoxelIndex& goal) const {
   THALWEG_CHECK(Reached(goal));
   std::vector<VoxelIndex> path = {goal};
   const auto at_entry = [&] {
+    if (Cost(path.back()) == 0) return true;  // as only entries have
     const auto entries = std::ranges::equal_range(start_, Cost(path.back()), {}, &Entry::cost);
     return std::ranges::find(entries, path.back(), &Entry::voxel) != entries.end();
   };

@@ -86,15 +86,16 @@ TEST(PlanText, OfAnEndSaysWhatStayedUnknownAndWhy) {
               HasSubstr("0.25 m2 of it are behind ways that were open and shut at the end: "
                         "(1.00, 2.00, 0.50), (3.00, 4.00, 0.50); "));
   plan.ending->tight_ways = {{{5.0, 6.0, 0.5}, 0.4}};
-  EXPECT_THAT(PlanText(plan, 1.0),
-              HasSubstr("; 0.40 m2 of it can be seen only through a gap where the body fits, but not with "
-                        "explorer.safety_margin_m: (5.00, 6.00, 0.50); does"));
-  for (int n = 1; n < 5; ++n) plan.ending->tight_ways.push_back({{5.0 + n, 6.0, 0.5}, 0.01});
   EXPECT_THAT(
       PlanText(plan, 1.0),
-      HasSubstr("0.44 m2 of it can be seen only through gaps where the body fits, but not with "
-                "explorer.safety_margin_m: (5.00, 6.00, 0.50), (6.00, 6.00, 0.50), (7.00, 6.00, 0.50), "
-                "2 more; does"));
+      HasSubstr("; 0.40 m2 of it can be seen only through a gap too narrow for the robot's paths, given "
+                "explorer.safety_margin_m and mapper.voxel_size_m: (5.00, 6.00, 0.50); does"));
+  for (int n = 1; n < 5; ++n) plan.ending->tight_ways.push_back({{5.0 + n, 6.0, 0.5}, 0.01});
+  EXPECT_THAT(PlanText(plan, 1.0),
+              HasSubstr("0.44 m2 of it can be seen only through gaps too narrow for the robot's paths, given "
+                        "explorer.safety_margin_m and mapper.voxel_size_m: (5.00, 6.00, 0.50), (6.00, 6.00, "
+                        "0.50), (7.00, 6.00, 0.50), "
+                        "2 more; does"));
   plan.ending->tight_ways.push_back({{9.0, 9.0, 0.5}, 0.6});
   EXPECT_THAT(PlanText(plan, 1.0), Not(HasSubstr("does the sensor's range"))) << "that is not why";
 }

@@ -74,7 +74,7 @@ TEST_F(TightWaysTest, AGapThatTheBodyDoesNotFitIsNone) {
   EXPECT_TRUE(Find().empty());
 }
 
-TEST_F(TightWaysTest, TheWiderOfTwoGapsIsGone) {
+TEST_F(TightWaysTest, OfTwoGapsTheWiderHasAPathAndEachClusterCountsOnce) {
   MakeRoom({{0, 3}, {8, 4}});
   double area = 0.0;
   std::size_t paths = 0;

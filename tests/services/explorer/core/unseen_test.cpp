@@ -67,7 +67,9 @@ TEST_F(UnseenTest, HasNoBarWhereTheRobotCanBeAlready) {
   });
   PathSearch everywhere;
   everywhere.Flood(Opened(), {{knowledge_.map().IndexOf(test::kHere.translation()), 0}});
-  for (const Unseen& unseen : FindUnseen(Opened(), knowledge_, everywhere, GoalFinder(2.0, 0.1), 0.8)) {
+  const std::vector<Unseen> found = FindUnseen(Opened(), knowledge_, everywhere, GoalFinder(2.0, 0.1), 0.8);
+  ASSERT_FALSE(found.empty());
+  for (const Unseen& unseen : found) {
     EXPECT_EQ(unseen.path.size(), 1U);
     EXPECT_FALSE(unseen.Bar());
   }

@@ -104,14 +104,18 @@ TEST(PathComfort, AWiderPathStaysWithinTheBoundsAndOutOfNoGoBoxes) {
   PlanningMap map = WallWithAHole(4, 0.2);
   map.SetNoGo({{Eigen::Vector3d(2.05, 0.85, 0.85), Eigen::Vector3d(2.15, 0.88, 0.88)}});
   EXPECT_TRUE(FindWiderPath(map, path_W, 0.2, kComfort).empty());
-  // The hole's middle is above the bounds, within which the body would touch its lower side.
-  PlanningMap bounded(
-      {.voxel_size = kSize,
-       .clearance = 0.2,
-       .bounds = Eigen::AlignedBox3d(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(4.2, 2, 0.9))});
-  bounded.Apply(test::BoxOf({{0, 0, 0}, {42, 20, 20}}, VoxelState::kFree));
-  bounded.Apply(test::BoxOf({{20, 0, 0}, {22, 20, 8}}, VoxelState::kOccupied));
-  EXPECT_TRUE(FindWiderPath(bounded, path_W, 0.2, kComfort).empty());
+  // The hole's middle is above the bounds, within which a body would touch its lower side.
+  std::vector<Eigen::Vector3d> lower_W = path_W;
+  for (Eigen::Vector3d& p_W : lower_W) p_W.z() = 0.85;
+  for (const double top : {0.9, 1.6}) {
+    PlanningMap bounded(
+        {.voxel_size = kSize,
+         .clearance = 0.2,
+         .bounds = Eigen::AlignedBox3d(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(4.2, 2, top))});
+    bounded.Apply(test::BoxOf({{0, 0, 0}, {42, 20, 20}}, VoxelState::kFree));
+    bounded.Apply(test::BoxOf({{20, 0, 0}, {22, 20, 8}}, VoxelState::kOccupied));
+    EXPECT_EQ(FindWiderPath(bounded, lower_W, 0.2, kComfort).empty(), top < 1.0) << top;
+  }
 }
 
 TEST(PathComfort, ARobotThatDrivesStaysInItsPlaneOnAWiderPath) {
