@@ -16,6 +16,7 @@ constexpr double kOneTightWay = 1.0;  // [m] Places nearer to each other than th
 constexpr double kBefore = 1.0;       // [m] This much of the path before a gap is planned with it.
 constexpr double kToTheMiddle = 1.0;  // [voxels] A path through it is wider by this, where it can be.
 constexpr double kAside = 2.0;        // [voxels] Off the path from voxel to voxel.
+constexpr double kOut = 1.0;          // [m] As far as a robot that is shut in may go straight.
 constexpr double kSlimmest = 0.01;    // [voxels] Bodies below this block nothing.
 constexpr int kTries = 4;             // Paths searched for by one way, to different clusters.
 
@@ -59,9 +60,12 @@ std::vector<TightWay> FindTightWays(const Knowledge& knowledge, const PathSearch
   const auto try_by = [&](const Unseen& unseen, Way& its) {
     const auto path = [&](double clearance) { return WiderPathTo(unseen, search, robot_W, map, clearance); };
     ++its.tries;
-    its.way.path_W = path(map.options().clearance);
-    if (!its.way.path_W.empty()) its.way.nearest = unseen.cluster;
-    its.fits = its.fits || !its.way.path_W.empty() || !path(radius).empty();
+    std::vector<Eigen::Vector3d> path_W = path(map.options().clearance);
+    its.fits = its.fits || !path_W.empty() || !path(radius).empty();
+    // From where it ends the robot must be able to go on.
+    if (path_W.empty() || PathSearch::StartAt(map, path_W.back(), radius, {kOut}).empty()) return;
+    its.way.path_W = std::move(path_W);
+    its.way.nearest = unseen.cluster;
   };
   std::unordered_set<VoxelIndex, VoxelIndexHash> counted;
   // A body that fits somewhere has less space at the center of the voxel that is nearest.
