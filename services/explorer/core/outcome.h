@@ -61,8 +61,7 @@ struct Ending {
   /// [m^2] What could be seen if ways were open that are shut and were not (ShutWays).
   double shut_area = 0.0;
   std::vector<Eigen::Vector3d> shut_ways_W = {};  ///< [m] Where they are.
-  /// What could be seen by ways that only fit the body without its safety margin (FindTightWays), the largest
-  /// first.
+  /// What could be seen by tight ways that the robot did not go (FindTightWays), the largest first.
   struct TightWay {
     Eigen::Vector3d place_W{0, 0, 0};  ///< [m] Where it becomes too narrow.
     double area = 0.0;                 ///< [m^2] What could be seen.

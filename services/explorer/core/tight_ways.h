@@ -16,7 +16,7 @@ struct TightWay {
   double area = 0.0;                 ///< [m^2] Frontiers that can only be seen by it.
   Cluster nearest = {};              ///< The nearest of these to which there is a path.
   /// [m] From the robot to where that is seen, in its clearance from all that is not free; empty: only the
-  /// body without its margin fits.
+  /// body without its margin fits, or the robot could not go on from there.
   std::vector<Eigen::Vector3d> path_W = {};
 };
 

@@ -62,9 +62,7 @@ TEST_F(UnseenTest, IsNotWhatWasSetAsideForAnotherReason) {
 }
 
 TEST_F(UnseenTest, HasNoBarWhereTheRobotCanBeAlready) {
-  test::ForEachVoxel({{60, 0, 0}, {61, 12, 12}}, [&](const VoxelIndex& i) {
-    knowledge_.memory().SetAside(i, AsideReason::kOutOfSight, kNow);
-  });
+  SetAside(AsideReason::kOutOfSight);
   PathSearch everywhere;
   everywhere.Flood(Opened(), {{knowledge_.map().IndexOf(test::kHere.translation()), 0}});
   const std::vector<Unseen> found = FindUnseen(Opened(), knowledge_, everywhere, GoalFinder(2.0, 0.1), 0.8);
