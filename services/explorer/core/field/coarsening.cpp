@@ -58,9 +58,8 @@ class Coarsener {
     NumberParts(apart);
 
     const std::size_t nodes = coarse_.layout.total + coarse_.further;
-    for (Buffer<float>* b :
-         {&coarse_.diagonal, &coarse_.weight_x, &coarse_.weight_y, &coarse_.weight_z, &coarse_.slack,
-          &coarse_.mass, &coarse_.r, &coarse_.z, &coarse_.work, &coarse_.sum}) {
+    for (Buffer<float>* b : {&coarse_.diagonal, &coarse_.weight_x, &coarse_.weight_y, &coarse_.weight_z,
+                             &coarse_.slack, &coarse_.mass, &coarse_.r, &coarse_.z, &coarse_.work}) {
       b->Reset(nodes, team);
     }
     team.ForParts(planes, layout_.total, [&](int begin, int end, int) {

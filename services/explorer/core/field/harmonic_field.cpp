@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 #include <stdexcept>
+#include <thread>
 
 #include "common/base/check.h"
 #include "common/base/stopwatch.h"
@@ -26,6 +27,11 @@ float ScreeningOf(const HarmonicField::Options& options) {
   return static_cast<float>(k * k);
 }
 
+int ThreadsFor(std::size_t cells, const HarmonicField::Options& options) {
+  if (options.threads > 0) return options.threads;
+  return cells >= HarmonicField::kCellsForThreads && std::thread::hardware_concurrency() > 1 ? 2 : 1;
+}
+
 }  // namespace
 
 struct HarmonicField::State {
@@ -35,7 +41,7 @@ struct HarmonicField::State {
   /// phi = high + low: two floats hold more digits than one, so that the residual can fall below float's own
   /// precision.
   field::Buffer<float> high, low;
-  field::Buffer<float> r, r_next, p, q;
+  field::Buffer<float> r, p, q;
   /// One term per plane, so that sums do not depend on the number of threads.
   std::vector<double> r_r, p_q, r_z;
   DenseGrid<float> phi;
@@ -49,8 +55,11 @@ struct HarmonicField::State {
   void Guess(const DenseGrid<FieldCell>& cells, const DenseGrid<float>& warm);
   void Iterate(const DenseGrid<FieldCell>& cells, const Options& options, const DenseGrid<float>& warm,
                const Team::Member& member);
-  double TrueResidual(float* residual, const Team::Member& member);
+  enum class Low : std::uint8_t { kZero, kAny };
+  double TrueResidual(Low low_is, const Team::Member& member);
   void FoldLow(const Team::Member& member);
+  void Descend(float alpha, const Team::Member& member);
+  double Turn(float alpha, float beta, const Team::Member& member);
   void WritePhi(const DenseGrid<FieldCell>& cells, Team& team);
 
   template <class PerPlane>
@@ -87,7 +96,7 @@ const DenseGrid<float>& HarmonicField::Solve(const DenseGrid<FieldCell>& cells, 
   if ((automatic || options.solver == Solver::kGpu) && s.SolveOnGpu(cells, options)) return s.phi;
   if (options.solver == Solver::kGpu) throw std::runtime_error(s.no_gpu);
   const Stopwatch preparing;
-  Team team(options.threads);
+  Team team(ThreadsFor(cells.size(), options));
   s.Prepare(cells, options, team);
   s.statistics.setup_ms = preparing.Milliseconds();
 
@@ -144,7 +153,7 @@ void HarmonicField::State::Prepare(const DenseGrid<FieldCell>& cells, const Opti
   problem.Build(cells, ScreeningOf(options), static_cast<float>(-options.weak_sink), team);
   statistics.unknowns = problem.unknowns();
   const std::size_t total = problem.layout().total;
-  for (field::Buffer<float>* b : {&high, &low, &r, &r_next, &p, &q}) b->Reset(total, team);
+  for (field::Buffer<float>* b : {&high, &low, &r, &p, &q}) b->Reset(total, team);
   for (std::vector<double>* v : {&r_r, &p_q, &r_z}) {
     v->assign(static_cast<std::size_t>(problem.layout().nz), 0.0);
   }
@@ -189,10 +198,12 @@ void HarmonicField::State::Guess(const DenseGrid<FieldCell>& cells, const DenseG
 }
 
 /// Computes residual = b - A phi in double precision. @return Its squared norm.
-double HarmonicField::State::TrueResidual(float* residual, const Team::Member& member) {
+/// r = b - A (high + low). @return r . r
+double HarmonicField::State::TrueResidual(Low low_is, const Team::Member& member) {
   member.Wait();
+  const float* const second = low_is == Low::kAny ? low.data() : nullptr;
   ForPlanes(member, [&](std::size_t plane, const field::Segment* first, const field::Segment* last) {
-    r_r[plane] = kernels.true_residual(problem.Operator(), first, last, high.data(), low.data(), residual);
+    r_r[plane] = kernels.true_residual(problem.Operator(), first, last, high.data(), second, r.data());
   });
   member.Wait();
   const double square = Sum(r_r);
@@ -204,9 +215,38 @@ double HarmonicField::State::TrueResidual(float* residual, const Team::Member& m
 void HarmonicField::State::FoldLow(const Team::Member& member) {
   member.Wait();
   ForPlanes(member, [&](std::size_t, const field::Segment* first, const field::Segment* last) {
-    kernels.add(first, last, low.data(), high.data());
+    kernels.add(first, last, 1.0F, low.data(), high.data());
     for (const field::Segment* s = first; s != last; ++s) std::fill_n(low.data() + s->begin, s->length, 0.0F);
   });
+}
+
+/// low += alpha p
+void HarmonicField::State::Descend(float alpha, const Team::Member& member) {
+  if (alpha == 0.0F) return;
+  ForPlanes(member, [&](std::size_t, const field::Segment* first, const field::Segment* last) {
+    kernels.add(first, last, alpha, p.data(), low.data());
+  });
+}
+
+/// low += alpha p; p = q + beta p; q = A p, in one sweep: a plane's product follows the directions of the
+/// planes around it while they are in the cache. @return p . q
+double HarmonicField::State::Turn(float alpha, float beta, const Team::Member& member) {
+  const auto [begin, end] = multigrid.PlanesOf(member);
+  const field::Segments& s = problem.segments();
+  const auto first = [&s](int plane) {
+    return s.list.data() + s.plane_begin[static_cast<std::size_t>(plane)];
+  };
+  Team::Pipeline(
+      member, begin, end,
+      [&](int plane) {
+        kernels.direction(first(plane), first(plane + 1), alpha, beta, q.data(), low.data(), p.data());
+      },
+      [&](int plane) {
+        p_q[static_cast<std::size_t>(plane)] =
+            kernels.apply(problem.Operator(), first(plane), first(plane + 1), p.data(), q.data());
+      });
+  member.Wait();
+  return Sum(p_q);
 }
 
 /// Preconditioned conjugate gradients for the correction `low` to `high`. The recursive residual is replaced
@@ -214,55 +254,47 @@ void HarmonicField::State::FoldLow(const Team::Member& member) {
 /// true one.
 void HarmonicField::State::Iterate(const DenseGrid<FieldCell>& cells, const Options& options,
                                    const DenseGrid<float>& warm, const Team::Member& member) {
-  float* residual = r.data();
-  float* next = r_next.data();
-  const double b_b = TrueResidual(residual, member);
+  const double b_b = TrueResidual(Low::kZero, member);
   double square = b_b;
   if (warm.size() > 0) {
     if (member.leads()) Guess(cells, warm);
-    square = TrueResidual(residual, member);
+    square = TrueResidual(Low::kZero, member);
   }
   const double goal = options.relative_residual * options.relative_residual * b_b;
   double fold_at = kFold * kFold * square;
   double r_z_before = 0.0;
-  float alpha = 0.0F;  // of the step not yet made; 0 at the start
+  float alpha = 0.0F;    // of the step that r is still to make; 0 at the start
+  float pending = 0.0F;  // of the step that low is still to make
   int iteration = 0;
   bool reached = square <= goal;
   while (!reached) {
-    multigrid.Advance(member, {alpha, p.data(), q.data(), residual, low.data(), next}, r_r.data());
-    std::swap(residual, next);
+    multigrid.Advance(member, alpha, q.data(), r.data(), r_r.data());
     square = Sum(r_r);
     if (square <= goal || square <= fold_at) {
-      if (square <= goal) square = TrueResidual(residual, member);
+      Descend(pending, member);
+      pending = 0.0F;
+      if (square <= goal) square = TrueResidual(Low::kAny, member);
       reached = square <= goal;
       if (reached) break;
       FoldLow(member);
-      square = TrueResidual(residual, member);
+      square = TrueResidual(Low::kZero, member);
       fold_at = kFold * kFold * square;
-      alpha = 0.0F;
-      multigrid.Advance(member, {alpha, p.data(), q.data(), residual, low.data(), next}, r_r.data());
-      std::swap(residual, next);
+      multigrid.Advance(member, 0.0F, q.data(), r.data(), r_r.data());
     }
     if (iteration >= options.max_iterations) break;
     ++iteration;
-    multigrid.Precondition(member, residual, q.data(), r_z.data());
+    multigrid.Precondition(member, r.data(), q.data(), r_z.data());
     member.Wait();
     const double r_z_now = Sum(r_z);
     const double beta = iteration > 1 ? r_z_now / r_z_before : 0.0;
     r_z_before = r_z_now;
-    ForPlanes(member, [&](std::size_t, const field::Segment* first, const field::Segment* last) {
-      kernels.direction(first, last, static_cast<float>(beta), q.data(), p.data());
-    });
-    member.Wait();
-    ForPlanes(member, [&](std::size_t plane, const field::Segment* first, const field::Segment* last) {
-      p_q[plane] = kernels.apply(problem.Operator(), first, last, p.data(), q.data());
-    });
-    member.Wait();
-    const double p_q_now = Sum(p_q);
+    const double p_q_now = Turn(pending, static_cast<float>(beta), member);
+    pending = 0.0F;
     if (!(p_q_now > 0.0)) break;  // r is 0, or only rounding is left
-    alpha = static_cast<float>(r_z_now / p_q_now);
+    alpha = pending = static_cast<float>(r_z_now / p_q_now);
   }
-  if (!reached) square = TrueResidual(residual, member);
+  Descend(pending, member);
+  if (!reached) square = TrueResidual(Low::kAny, member);
   if (member.leads()) {
     statistics.iterations = iteration;
     statistics.relative_residual = b_b > 0.0 ? std::sqrt(square / b_b) : 0.0;

@@ -45,6 +45,9 @@ struct Sweeps {
   /// out = z + w D^-1 (r - A z); returns r . out
   double (*finish)(const Operator&, const Segment* first, const Segment* last, const float* r,
                    const Planes& z, float* out);
+  /// out += z + w D^-1 (r - A z)
+  void (*finish_onto)(const Operator&, const Segment* first, const Segment* last, const float* r,
+                      const Planes& z, float* out);
 };
 
 struct Kernels {
@@ -58,25 +61,28 @@ struct Kernels {
   /// z += P coarse
   void (*correct)(const CoarseOperator&, const Segment* first, const Segment* last, const float* coarse,
                   float* z);
-  /// p = z + beta p
-  void (*direction)(const Segment* first, const Segment* last, float beta, const float* z, float* p);
+  /// x += alpha p, with the p before; p = z + beta p
+  void (*direction)(const Segment* first, const Segment* last, float alpha, float beta, const float* z,
+                    float* x, float* p);
   /// q = A p; returns p . q
   double (*apply)(const FineOperator&, const Segment* first, const Segment* last, const float* p, float* q);
-  /// x += alpha p; r_new = r - alpha q; z = w D^-1 r_new; returns r_new . r_new
+  /// r -= alpha q; returns r . r
+  double (*descend)(const Segment* first, const Segment* last, float alpha, const float* q, float* r);
+  /// r -= alpha q; z = w D^-1 r; returns r . r
   double (*advance)(const FineOperator&, const Segment* first, const Segment* last, float alpha,
-                    const float* p, const float* q, const float* r, float* x, float* r_new, float* z);
-  /// z = w D^-1 (r - alpha q)
-  void (*advance_beside)(const FineOperator&, const Segment* first, const Segment* last, float alpha,
-                         const float* q, const float* r, float* z);
+                    const float* q, float* r, float* z);
+  /// z = w D^-1 r
+  void (*start_finest)(const FineOperator&, const Segment* first, const Segment* last, const float* r,
+                       float* z);
   /// z = w D^-1 r + P coarse
   void (*start_corrected)(const FineOperator&, const Segment* first, const Segment* last, const float* coarse,
                           const float* r, float* z);
-  /// r = b - A (high + low) in double precision; returns r . r
-  /// Here `high` also holds the given values of phi.
+  /// r = b - A high in double precision, less A low in single precision; returns r . r
+  /// Here `high` also holds the given values of phi. @param low  nullptr for 0.
   double (*true_residual)(const FineOperator&, const Segment* first, const Segment* last, const float* high,
                           const float* low, float* r);
-  /// sum += term
-  void (*add)(const Segment* first, const Segment* last, const float* term, float* sum);
+  /// sum += factor term
+  void (*add)(const Segment* first, const Segment* last, float factor, const float* term, float* sum);
 };
 
 /// The fastest version for this machine.

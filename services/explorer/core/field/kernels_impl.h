@@ -123,7 +123,8 @@ THALWEG_INLINE Vec ResidualAt(const Operator& a, const float* r, const Planes& z
   return rows.Active() ? residual : none;
 }
 
-void Start(const CoarseOperator& a, const Segment* first, const Segment* last, const float* r, float* z) {
+template <class Operator>
+void Start(const Operator& a, const Segment* first, const Segment* last, const float* r, float* z) {
   Sweep(
       first, last, THALWEG_CELLS { Store(z + i, Step(a, RowsAt(a, i)) * Load(r + i)); });
 }
@@ -163,24 +164,40 @@ void Correct(const CoarseOperator& a, const Segment* first, const Segment* last,
   }
 }
 
+/// z + w D^-1 (r - A z)
+template <class Operator>
+THALWEG_INLINE Vec FinishedAt(const Operator& a, const Vec& right, const Planes& z, ptrdiff_t i) {
+  // In cells that are not unknowns, z and the step are 0.
+  return (1.0F - kRelaxation) * Load(z.here + i) + Step(a, RowsAt(a, i)) * (right + Neighbors(a, z, i));
+}
+
 template <class Operator>
 double Finish(const Operator& a, const Segment* first, const Segment* last, const float* r, const Planes& z,
               float* out) {
   return SweepSum(
       first, last, THALWEG_CELLS {
-        const auto rows = RowsAt(a, i);
         const Vec right = Load(r + i);
-        // In cells that are not unknowns, z and the step are 0.
-        const Vec value =
-            (1.0F - kRelaxation) * Load(z.here + i) + Step(a, rows) * (right + Neighbors(a, z, i));
+        const Vec value = FinishedAt(a, right, z, i);
         Store(out + i, value);
         return value * right;
       });
 }
 
-void Direction(const Segment* first, const Segment* last, float beta, const float* z, float* p) {
+template <class Operator>
+void FinishOnto(const Operator& a, const Segment* first, const Segment* last, const float* r, const Planes& z,
+                float* out) {
   Sweep(
-      first, last, THALWEG_CELLS { Store(p + i, Load(z + i) + beta * Load(p + i)); });
+      first, last, THALWEG_CELLS { Store(out + i, Load(out + i) + FinishedAt(a, Load(r + i), z, i)); });
+}
+
+void Direction(const Segment* first, const Segment* last, float alpha, float beta, const float* z, float* x,
+               float* p) {
+  Sweep(
+      first, last, THALWEG_CELLS {
+        const Vec before = Load(p + i);
+        Store(x + i, Load(x + i) + alpha * before);
+        Store(p + i, Load(z + i) + beta * before);
+      });
 }
 
 double Apply(const FineOperator& a, const Segment* first, const Segment* last, const float* p, float* q) {
@@ -197,24 +214,23 @@ double Apply(const FineOperator& a, const Segment* first, const Segment* last, c
       });
 }
 
-double Advance(const FineOperator& a, const Segment* first, const Segment* last, float alpha, const float* p,
-               const float* q, const float* r, float* x, float* r_new, float* z) {
+double Descend(const Segment* first, const Segment* last, float alpha, const float* q, float* r) {
   return SweepSum(
       first, last, THALWEG_CELLS {
         const Vec residual = Load(r + i) - alpha * Load(q + i);
-        Store(x + i, Load(x + i) + alpha * Load(p + i));
-        Store(r_new + i, residual);
-        Store(z + i, Step(a, RowsAt(a, i)) * residual);
+        Store(r + i, residual);
         return residual * residual;
       });
 }
 
-void AdvanceBeside(const FineOperator& a, const Segment* first, const Segment* last, float alpha,
-                   const float* q, const float* r, float* z) {
-  Sweep(
+double Advance(const FineOperator& a, const Segment* first, const Segment* last, float alpha, const float* q,
+               float* r, float* z) {
+  return SweepSum(
       first, last, THALWEG_CELLS {
         const Vec residual = Load(r + i) - alpha * Load(q + i);
+        Store(r + i, residual);
         Store(z + i, Step(a, RowsAt(a, i)) * residual);
+        return residual * residual;
       });
 }
 
@@ -233,13 +249,14 @@ void StartCorrected(const FineOperator& a, const Segment* first, const Segment* 
   }
 }
 
-double TrueResidual(const FineOperator& a, const Segment* first, const Segment* last, const float* high,
-                    const float* low, float* r) {
-  const auto at = [ high, low ](ptrdiff_t i) __attribute__((always_inline)) {
-    return __builtin_convertvector(Load<Half>(high + i), Double4) +
-           __builtin_convertvector(Load<Half>(low + i), Double4);
+template <bool kWithLow>
+double TrueResidualOf(const FineOperator& a, const Segment* first, const Segment* last, const float* high,
+                      const float* low, float* r) {
+  const auto at = [high](ptrdiff_t i) __attribute__((always_inline)) {
+    return __builtin_convertvector(Load<Half>(high + i), Double4);
   };
   const Vec none{};
+  const Planes low_planes{low, low, low};
   double total = 0.0;
   for (const Segment* s = first; s != last; ++s) {
     Double4 sum{};
@@ -256,7 +273,8 @@ double TrueResidual(const FineOperator& a, const Segment* first, const Segment* 
         const Double4 full = around - __builtin_convertvector(diagonal, Double4) * at(j);
         part[k] = __builtin_convertvector(full, Half);
       }
-      const Vec full = __builtin_shufflevector(part[0], part[1], 0, 1, 2, 3, 4, 5, 6, 7);
+      Vec full = __builtin_shufflevector(part[0], part[1], 0, 1, 2, 3, 4, 5, 6, 7);
+      if constexpr (kWithLow) full += Neighbors(a, low_planes, i) - rows.diagonal * Load(low + i);
       const Vec value = rows.Active() ? full : none;
       Store(r + i, value);
       const Double4 low4 =
@@ -270,26 +288,33 @@ double TrueResidual(const FineOperator& a, const Segment* first, const Segment* 
   return total;
 }
 
-void Add(const Segment* first, const Segment* last, const float* term, float* sum) {
+double TrueResidual(const FineOperator& a, const Segment* first, const Segment* last, const float* high,
+                    const float* low, float* r) {
+  return low == nullptr ? TrueResidualOf<false>(a, first, last, high, low, r)
+                        : TrueResidualOf<true>(a, first, last, high, low, r);
+}
+
+void Add(const Segment* first, const Segment* last, float factor, const float* term, float* sum) {
   Sweep(
-      first, last, THALWEG_CELLS { Store(sum + i, Load(sum + i) + Load(term + i)); });
+      first, last, THALWEG_CELLS { Store(sum + i, Load(sum + i) + factor * Load(term + i)); });
 }
 
 template <class Operator>
-constexpr Sweeps<Operator> kSweeps{RestrictResidual<Operator>, Finish<Operator>};
+constexpr Sweeps<Operator> kSweeps{RestrictResidual<Operator>, Finish<Operator>, FinishOnto<Operator>};
 
 }  // namespace
 
 extern const Kernels kKernels;
 const Kernels kKernels{kSweeps<FineOperator>,
                        kSweeps<CoarseOperator>,
-                       Start,
+                       Start<CoarseOperator>,
                        Subtract,
                        Correct,
                        Direction,
                        Apply,
+                       Descend,
                        Advance,
-                       AdvanceBeside,
+                       Start<FineOperator>,
                        StartCorrected,
                        TrueResidual,
                        Add};

@@ -182,40 +182,61 @@ std::span<const Segment> Multigrid::SegmentsOf(std::size_t l, const Team::Member
           s.list.data() + s.plane_begin[static_cast<std::size_t>(end)]};
 }
 
-std::span<const Segment> Multigrid::SegmentsOfPlane(int plane) const {
-  const Segments& s = levels_[0].segments;
+std::span<const Segment> Multigrid::SegmentsOfPlane(std::size_t l, int plane) const {
+  const Segments& s = levels_[l].segments;
   const auto p = static_cast<std::size_t>(plane);
   return {s.list.data() + s.plane_begin[p], s.list.data() + s.plane_begin[p + 1]};
 }
 
-void Multigrid::Advance(const Team::Member& member, const Step& step, double* dots) {
+std::span<const Moved> Multigrid::MovedOfPlane(std::size_t l, int plane) const {
+  const Level& level = levels_[l];
+  const auto from = [&level](std::size_t node) {
+    return std::ranges::lower_bound(level.moved, node, {}, &Moved::node);
+  };
+  return {from(level.layout.Offset(-1, -1, plane)), from(level.layout.Offset(-1, -1, plane + 1))};
+}
+
+std::span<const Moved> Multigrid::MovedFurther(std::size_t l) const {
+  const Level& level = levels_[l];
+  return {std::ranges::lower_bound(level.moved, level.layout.total, {}, &Moved::node), level.moved.end()};
+}
+
+void Multigrid::Advance(const Team::Member& member, float alpha, const float* q, float* r, double* dots) {
   const FineOperator a = problem_->Operator();
   const auto [begin, end] = PlanesOf(0, member);
   const bool restricts = depth_ > 1;
   if (restricts) ClearCoarse(1, member);
+  // The members beside this one read its outermost planes, so these are up to date before all others.
+  const bool shared = member.count > 1;
+  const auto outermost = [begin, end](int plane) { return plane == begin || plane == end - 1; };
+  for (int plane = begin; shared && plane < end; plane += std::max(1, end - 1 - begin)) {
+    const std::span<const Segment> s = SegmentsOfPlane(0, plane);
+    dots[plane] = kernels_.descend(s.data(), s.data() + s.size(), alpha, q, r);
+  }
+  member.Wait();
   Window& window = *windows_[static_cast<std::size_t>(member.index)];
   window.Start(begin);
   for (int plane = begin - 1; plane <= end; ++plane) {
     float* z = window.Next(plane);
     if (plane >= 0 && plane < levels_[0].layout.nz) {
-      const std::span<const Segment> s = SegmentsOfPlane(plane);
+      const std::span<const Segment> s = SegmentsOfPlane(0, plane);
       const Segment* first = s.data();
       const Segment* last = first + s.size();
-      if (plane >= begin && plane < end) {
-        dots[plane] =
-            kernels_.advance(a, first, last, step.alpha, step.p, step.q, step.r, step.x, step.r_new, z);
+      const bool inside = plane >= begin && plane < end;
+      if (inside && !(shared && outermost(plane))) {
+        dots[plane] = kernels_.advance(a, first, last, alpha, q, r, z);
       } else if (restricts) {
-        kernels_.advance_beside(a, first, last, step.alpha, step.q, step.r, z);
+        kernels_.start_finest(a, first, last, r, z);
       }
     }
     if (!restricts || plane <= begin) continue;
-    const std::span<const Segment> s = SegmentsOfPlane(plane - 1);
-    kernels_.fine.restrict_residual(a, s.data(), s.data() + s.size(), step.r_new, window.Around(plane - 1),
+    const std::span<const Segment> s = SegmentsOfPlane(0, plane - 1);
+    kernels_.fine.restrict_residual(a, s.data(), s.data() + s.size(), r, window.Around(plane - 1),
                                     levels_[1].r.data());
   }
   member.Wait();
   if (restricts && !levels_[0].moved.empty()) {
-    if (member.leads()) RestrictMovedFinest(step.r_new);
+    if (member.leads()) RestrictMovedFinest(r);
     member.Wait();
   }
 }
@@ -229,7 +250,7 @@ void Multigrid::Precondition(const Team::Member& member, const float* r, float* 
     member.Wait();
     for (int plane = begin; plane < end; ++plane) {
       dots[plane] = 0.0;
-      for (const Segment& s : SegmentsOfPlane(plane)) {
+      for (const Segment& s : SegmentsOfPlane(0, plane)) {
         for (std::size_t i = s.begin; i < s.begin + s.length; ++i)
           dots[plane] += double{r[i]} * double{out[i]};
       }
@@ -240,21 +261,15 @@ void Multigrid::Precondition(const Team::Member& member, const float* r, float* 
   const float* coarse = levels_[1].z.data();
   Window& window = *windows_[static_cast<std::size_t>(member.index)];
   window.Start(begin);
-  const auto before = [](const Moved& m, std::size_t node) { return m.node < node; };
-  auto moved = std::lower_bound(finest.moved.begin(), finest.moved.end(),
-                                finest.layout.Offset(-1, -1, std::max(begin - 1, 0)), before);
   for (int plane = begin - 1; plane <= end; ++plane) {
     float* z = window.Next(plane);
     if (plane >= 0 && plane < finest.layout.nz) {
-      const std::span<const Segment> s = SegmentsOfPlane(plane);
+      const std::span<const Segment> s = SegmentsOfPlane(0, plane);
       kernels_.start_corrected(a, s.data(), s.data() + s.size(), coarse, r, z);
-      const std::size_t plane_end = finest.layout.Offset(-1, -1, plane + 1);
-      for (; moved != finest.moved.end() && moved->node < plane_end; ++moved) {
-        z[moved->node] += (moved->parent != kNone ? coarse[moved->parent] : 0.0F) - coarse[moved->implied];
-      }
+      CorrectMoved(0, MovedOfPlane(0, plane), z);
     }
     if (plane <= begin) continue;
-    const std::span<const Segment> s = SegmentsOfPlane(plane - 1);
+    const std::span<const Segment> s = SegmentsOfPlane(0, plane - 1);
     dots[plane - 1] =
         kernels_.fine.finish(a, s.data(), s.data() + s.size(), r, window.Around(plane - 1), out);
   }
@@ -320,9 +335,9 @@ float Multigrid::ResidualAt(const Level& level, std::size_t i) const {
   return residual;
 }
 
-void Multigrid::CorrectMoved(std::size_t l, float* z) const {
+void Multigrid::CorrectMoved(std::size_t l, std::span<const Moved> moved, float* z) const {
   const float* coarse = levels_[l + 1].z.data();
-  for (const Moved& m : levels_[l].moved) {
+  for (const Moved& m : moved) {
     if (m.implied != kNone) z[m.node] -= coarse[m.implied];
     if (m.parent != kNone) z[m.node] += coarse[m.parent];
   }
@@ -342,28 +357,15 @@ void Multigrid::SolveCoarse(std::size_t l, const Team::Member& member) {
     member.Wait();
     return;
   }
+  Visit(l, member, Onto::kNothing);
   const std::span<const Segment> part = SegmentsOf(l, member);
-  const Segment* first = part.data();
-  const Segment* last = first + part.size();
-  Visit(l, member);
-  kernels_.subtract(level.Operator(), first, last, level.z.data(), level.r.data());
-  for (const Segment& s : part) std::copy_n(level.z.data() + s.begin, s.length, level.sum.data() + s.begin);
+  kernels_.subtract(level.Operator(), part.data(), part.data() + part.size(), level.z.data(), level.r.data());
+  member.Wait();
   if (level.further > 0) {
+    if (member.leads()) SubtractFurther(level);
     member.Wait();
-    if (member.leads()) {
-      SubtractFurther(level);
-      std::copy_n(level.z.data() + level.layout.total, level.further, level.sum.data() + level.layout.total);
-    }
   }
-  member.Wait();
-  Visit(l, member);
-  kernels_.add(first, last, level.sum.data(), level.z.data());
-  if (member.leads()) {
-    for (std::size_t i = level.layout.total; i < level.layout.total + level.further; ++i) {
-      level.z[i] += level.sum[i];
-    }
-  }
-  member.Wait();
+  Visit(l, member, Onto::kFormer);
 }
 
 /// Solves exactly on a level that has no coarser one.
@@ -392,13 +394,11 @@ void Multigrid::SubtractFurther(Level& level) {
   }
 }
 
-/// One cycle on level l > 0 with zero initial guess: z = B r.
-void Multigrid::Visit(std::size_t l, const Team::Member& member) {
+/// One cycle on level l > 0 with zero initial guess: z = B r, or z += B r.
+void Multigrid::Visit(std::size_t l, const Team::Member& member, Onto onto) {
   Level& level = levels_[l];
   const CoarseOperator a = level.Operator();
-  const std::span<const Segment> part = SegmentsOf(l, member);
-  const Segment* first = part.data();
-  const Segment* last = first + part.size();
+  const auto [begin, end] = PlanesOf(l, member);
   const std::size_t further_end = level.layout.total + level.further;
   float* r = level.r.data();
   float* work = level.work.data();
@@ -408,28 +408,57 @@ void Multigrid::Visit(std::size_t l, const Team::Member& member) {
     if (member.leads()) task();
     member.Wait();
   };
+  const auto over = [this, l](int plane, auto&& sweep) {
+    const std::span<const Segment> s = SegmentsOfPlane(l, plane);
+    sweep(s.data(), s.data() + s.size());
+  };
 
   ClearCoarse(l + 1, member);
-  kernels_.start(a, first, last, r, work);
-  if (member.leads()) {
-    for (std::size_t i = level.layout.total; i < further_end; ++i) {
-      work[i] = kRelaxation * r[i] / level.diagonal[i];
-    }
+  Team::Pipeline(
+      member, begin, end,
+      [&](int plane) {
+        over(plane,
+             [&](const Segment* first, const Segment* last) { kernels_.start(a, first, last, r, work); });
+      },
+      [&](int plane) {
+        over(plane, [&](const Segment* first, const Segment* last) {
+          kernels_.coarse.restrict_residual(a, first, last, r, planes, levels_[l + 1].r.data());
+        });
+      });
+  member.Wait();
+  if (level.irregular()) {
+    leader_does([&] {
+      for (std::size_t i = level.layout.total; i < further_end; ++i) {
+        work[i] = kRelaxation * r[i] / level.diagonal[i];
+      }
+      RestrictFurther(l, r, work);
+    });
   }
-  member.Wait();
-  kernels_.coarse.restrict_residual(a, first, last, r, planes, levels_[l + 1].r.data());
-  member.Wait();
-  if (level.irregular()) leader_does([&] { RestrictFurther(l, r, work); });
   SolveCoarse(l + 1, member);
-  kernels_.correct(a, first, last, levels_[l + 1].z.data(), work);
-  member.Wait();
-  if (level.irregular()) leader_does([&] { CorrectMoved(l, work); });
-  kernels_.coarse.finish(a, first, last, r, planes, z);
+  Team::Pipeline(
+      member, begin, end,
+      [&](int plane) {
+        over(plane, [&](const Segment* first, const Segment* last) {
+          kernels_.correct(a, first, last, levels_[l + 1].z.data(), work);
+        });
+        CorrectMoved(l, MovedOfPlane(l, plane), work);
+      },
+      [&](int plane) {
+        over(plane, [&](const Segment* first, const Segment* last) {
+          if (onto == Onto::kNothing) {
+            kernels_.coarse.finish(a, first, last, r, planes, z);
+          } else {
+            kernels_.coarse.finish_onto(a, first, last, r, planes, z);
+          }
+        });
+      });
   member.Wait();
   if (level.further == 0) return;
   leader_does([&] {
+    CorrectMoved(l, MovedFurther(l), work);
     for (std::size_t i = level.layout.total; i < further_end; ++i) {
-      z[i] = (1.0F - kRelaxation) * work[i] + kRelaxation * r[i] / level.diagonal[i];
+      const float value = (1.0F - kRelaxation) * work[i] + kRelaxation * r[i] / level.diagonal[i];
+      z[i] = onto == Onto::kNothing ? value : z[i] + value;
     }
     for (const Link& link : level.links) {
       z[link.a] += kRelaxation * link.weight * work[link.b] / level.diagonal[link.a];
@@ -444,13 +473,13 @@ double Multigrid::BytesAnIteration() const {
     for (const Segment& s : segments.list) count += s.length;
     return static_cast<double>(count);
   };
-  // direction 3 floats, apply 2, advance 6, second half 2, and half a byte of topology in each but the first
-  double bytes = cells(levels_[0].segments) * (13 * sizeof(float) + 1.5);
+  // direction and apply 6 floats, advance 3, second half 2, and half a byte of topology in each
+  double bytes = cells(levels_[0].segments) * (11 * sizeof(float) + 1.5);
   double visits = 2.0;
   for (std::size_t l = 1; l + 1 < depth_; ++l, visits *= 2.0) {
-    // per visit: start 3, restrict 6, correct 3, finish 7, clear 1; between two visits: subtract 7, copy 2,
-    // add 3
-    bytes += cells(levels_[l].segments) * (visits * 20 + visits / 2.0 * 12) * sizeof(float);
+    // per visit: start and restrict 6, correct and finish 9, clear 1; in every second: subtract 7, the former
+    // z 1
+    bytes += cells(levels_[l].segments) * (visits * 16 + visits / 2.0 * 8) * sizeof(float);
   }
   return bytes;
 }

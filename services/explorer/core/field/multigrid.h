@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <span>
@@ -44,7 +45,7 @@ struct Level {
 
   Buffer<float> diagonal, weight_x, weight_y, weight_z;  // not on the finest level
   Buffer<float> slack, mass;
-  Buffer<float> r, z, work, sum;
+  Buffer<float> r, z, work;
 
   bool irregular() const { return further > 0 || !moved.empty(); }
   bool Active(std::size_t i) const { return diagonal[i] > 0.0F; }
@@ -73,9 +74,9 @@ struct Level {
 /// next coarser level twice (a W-cycle, in which that halving keeps the preconditioner positive definite;
 /// docs/decisions/0017).
 ///
-/// On the finest level memory bandwidth is the limit. There, the sweeps before the coarse correction are
+/// On large levels memory bandwidth is the limit. On the finest, the sweeps before the coarse correction are
 /// fused with the conjugate gradient step, and those after it with each other; intermediate results live in
-/// three planes.
+/// three planes. On the others a sweep follows the one before it plane by plane.
 /// Threading: Build is called by one thread, everything else by all members of the team at the same time.
 class Multigrid {
  public:
@@ -85,17 +86,11 @@ class Multigrid {
   /// Builds the hierarchy for `problem`, which must outlive this object.
   void Build(const FineProblem& problem, Team& team);
 
-  /// A step of the conjugate gradients; x and r_new are outputs.
-  struct Step {
-    float alpha;
-    const float *p, *q, *r;
-    float *x, *r_new;
-  };
-  /// x += alpha p; r_new = r - alpha q; then the first half of a cycle for r_new, up to the coarse problem.
-  /// @param dots  r_new . r_new of each plane.
-  void Advance(const Team::Member& member, const Step& step, double* dots);
+  /// r -= alpha q; then the first half of a cycle for r, up to the coarse problem.
+  /// @param dots  r . r of each plane.
+  void Advance(const Team::Member& member, float alpha, const float* q, float* r, double* dots);
 
-  /// out = B r, where r is the r_new of the preceding Advance, from which all members must have returned.
+  /// out = B r, where r is that of the preceding Advance, from which all members must have returned.
   /// @param dots  r . out of each plane.
   void Precondition(const Team::Member& member, const float* r, float* out, double* dots);
 
@@ -113,17 +108,20 @@ class Multigrid {
   void SolveBottom(const float* r, float* z) const;
   void SolveLast(std::size_t l, const float* r, float* z) const;
   void SolveCoarse(std::size_t l, const Team::Member& member);
-  void Visit(std::size_t l, const Team::Member& member);
+  enum class Onto : std::uint8_t { kNothing, kFormer };
+  void Visit(std::size_t l, const Team::Member& member, Onto onto);
   void ClearCoarse(std::size_t l, const Team::Member& member);
   void RestrictFurther(std::size_t l, const float* r, const float* z);
   void RestrictMovedFinest(const float* r);
-  void CorrectMoved(std::size_t l, float* z) const;
+  void CorrectMoved(std::size_t l, std::span<const Moved> moved, float* z) const;
   static void SubtractFurther(Level& level);
   float ResidualAt(const Level& level, std::size_t i) const;
 
   std::pair<int, int> PlanesOf(std::size_t l, const Team::Member& member) const;
   std::span<const Segment> SegmentsOf(std::size_t l, const Team::Member& member) const;
-  std::span<const Segment> SegmentsOfPlane(int plane) const;
+  std::span<const Segment> SegmentsOfPlane(std::size_t l, int plane) const;
+  std::span<const Moved> MovedOfPlane(std::size_t l, int plane) const;
+  std::span<const Moved> MovedFurther(std::size_t l) const;
 
   const FineProblem* problem_ = nullptr;
   const Kernels& kernels_ = BestKernels();

@@ -44,6 +44,21 @@ class Team {
     });
   }
 
+  /// Two sweeps over a member's planes [begin, end) as one: calls ahead(plane) for every plane, and
+  /// follow(plane) once that plane and those beside it are done, also where these are another member's. What
+  /// a plane's follow reads of them is then still in the cache.
+  template <class Ahead, class Follow>
+  static void Pipeline(const Member& member, int begin, int end, Ahead&& ahead, Follow&& follow) {
+    // Other members read the outermost planes, so these are first.
+    if (begin < end) ahead(begin);
+    if (begin + 1 < end) ahead(end - 1);
+    member.Wait();
+    for (int plane = begin; plane < end; ++plane) {
+      if (plane + 2 < end) ahead(plane + 1);
+      follow(plane);
+    }
+  }
+
   int count() const { return count_; }
 
  private:
