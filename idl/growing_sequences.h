@@ -11,13 +11,13 @@
 
 namespace eprosima::fastcdr {
 
-/// Decodes a sequence of structures one by one. Fast CDR's own version first makes as many as the message
-/// claims, of which it only checks that there are no more than bytes: 8 MB of zeros, as a path, became 800
-/// MB. Here memory grows with what has really been decoded.
+/// Decodes a sequence of structures or strings one by one. Fast CDR's own version first makes as many as the
+/// message claims, of which it only checks that there are no more than bytes: 8 MB of zeros, as a path,
+/// became 800 MB. Here memory grows with what has really been decoded.
 ///
 /// Being constrained, it is preferred to Cdr::operator>>.
-template <class Struct>
-requires std::is_class_v<Struct> Cdr& operator>>(Cdr& decoder, std::vector<Struct>& sequence) {
+template <class Element>
+requires std::is_class_v<Element> Cdr& operator>>(Cdr& decoder, std::vector<Element>& sequence) {
   constexpr std::uint32_t kAtOnce = 64;
   std::uint32_t count = 0;
   decoder >> count;
@@ -28,7 +28,12 @@ requires std::is_class_v<Struct> Cdr& operator>>(Cdr& decoder, std::vector<Struc
       const auto room = std::max<std::size_t>(2 * sequence.size(), kAtOnce);
       sequence.reserve(std::min<std::size_t>(room, count));
     }
-    sequence.emplace_back().deserialize(decoder);
+    Element& element = sequence.emplace_back();
+    if constexpr (requires { element.deserialize(decoder); }) {
+      element.deserialize(decoder);
+    } else {
+      decoder >> element;
+    }
   }
   return decoder;
 }

@@ -9,6 +9,7 @@
 #include <stereo_msgs.h>
 #include <tf2_msgs.h>
 #include <thalweg_msgs.h>
+#include <trajectory_msgs.h>
 #include <visualization_msgs.h>
 
 #include <cstdint>
@@ -285,6 +286,13 @@ struct StampedVelocityCommand {
   static constexpr auto kName = "command/velocity_stamped";
   static constexpr auto kDelivery = Delivery::kCommand;
 };
+/// How the robot is to move from now to where it stands again, for controllers that want to know what comes;
+/// published only while somebody listens.
+struct Trajectory {
+  using Message = trajectory_msgs::msg::MultiDOFJointTrajectory;
+  static constexpr auto kName = "command/trajectory";
+  static constexpr auto kDelivery = Delivery::kCommand;
+};
 struct MotionStatus {
   using Message = thalweg_msgs::msg::MotionStatus;
   static constexpr auto kName = "controller/status";
@@ -346,7 +354,7 @@ using All =
                LeftCameraInfo, RightCameraInfo, Disparity, MapUpdates, MapRequests, Octomap, OccupiedPoints,
                ColoredPoints, SurfaceUpdates, SurfaceRequests, SurfaceStatus, SurfaceRifts, RiftMarkers, Path,
                ExplorationStatus, Frontiers, FrontierMarkers, Field, Streamline, OperatorCommands,
-               CommandReplies, PoseCommand, VelocityCommand, StampedVelocityCommand, MotionStatus,
+               CommandReplies, PoseCommand, VelocityCommand, StampedVelocityCommand, Trajectory, MotionStatus,
                SimulationStatus, Health, Log, LinkUp, LinkDown, ReplayCommands, ReplayStatus>;
 
 }  // namespace topics

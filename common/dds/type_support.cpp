@@ -9,6 +9,7 @@
 #include <stereo_msgsPubSubTypes.h>
 #include <tf2_msgsPubSubTypes.h>
 #include <thalweg_msgsPubSubTypes.h>
+#include <trajectory_msgsPubSubTypes.h>
 #include <visualization_msgsPubSubTypes.h>
 
 #include <algorithm>
@@ -39,22 +40,22 @@ struct SupportsOf {
 };
 
 /// What is generated from idl/ for the types of topics.h.
-using Supports =
-    SupportsOf<geometry_msgs::msg::PoseStampedPubSubType, geometry_msgs::msg::TwistPubSubType,
-               geometry_msgs::msg::TwistStampedPubSubType, nav_msgs::msg::OdometryPubSubType,
-               nav_msgs::msg::PathPubSubType, octomap_msgs::msg::OctomapPubSubType,
-               rcl_interfaces::msg::LogPubSubType, rosgraph_msgs::msg::ClockPubSubType,
-               sensor_msgs::msg::CameraInfoPubSubType, sensor_msgs::msg::ImagePubSubType,
-               sensor_msgs::msg::PointCloud2PubSubType, stereo_msgs::msg::DisparityImagePubSubType,
-               tf2_msgs::msg::TFMessagePubSubType, thalweg_msgs::msg::CommandReplyPubSubType,
-               thalweg_msgs::msg::ExplorationStatusPubSubType, thalweg_msgs::msg::FrontierListPubSubType,
-               thalweg_msgs::msg::LinkFramePubSubType, thalweg_msgs::msg::MapRequestPubSubType,
-               thalweg_msgs::msg::MapUpdatePubSubType, thalweg_msgs::msg::MotionStatusPubSubType,
-               thalweg_msgs::msg::OdometryStatusPubSubType, thalweg_msgs::msg::OperatorCommandPubSubType,
-               thalweg_msgs::msg::ReplayCommandPubSubType, thalweg_msgs::msg::ReplayStatusPubSubType,
-               thalweg_msgs::msg::ServiceHealthPubSubType, thalweg_msgs::msg::SimulationStatusPubSubType,
-               thalweg_msgs::msg::SurfaceRiftsPubSubType, thalweg_msgs::msg::SurfaceStatusPubSubType,
-               thalweg_msgs::msg::SurfaceUpdatePubSubType, visualization_msgs::msg::MarkerArrayPubSubType>;
+using Supports = SupportsOf<
+    geometry_msgs::msg::PoseStampedPubSubType, geometry_msgs::msg::TwistPubSubType,
+    geometry_msgs::msg::TwistStampedPubSubType, nav_msgs::msg::OdometryPubSubType,
+    nav_msgs::msg::PathPubSubType, octomap_msgs::msg::OctomapPubSubType, rcl_interfaces::msg::LogPubSubType,
+    rosgraph_msgs::msg::ClockPubSubType, sensor_msgs::msg::CameraInfoPubSubType,
+    sensor_msgs::msg::ImagePubSubType, sensor_msgs::msg::PointCloud2PubSubType,
+    stereo_msgs::msg::DisparityImagePubSubType, tf2_msgs::msg::TFMessagePubSubType,
+    thalweg_msgs::msg::CommandReplyPubSubType, thalweg_msgs::msg::ExplorationStatusPubSubType,
+    thalweg_msgs::msg::FrontierListPubSubType, thalweg_msgs::msg::LinkFramePubSubType,
+    thalweg_msgs::msg::MapRequestPubSubType, thalweg_msgs::msg::MapUpdatePubSubType,
+    thalweg_msgs::msg::MotionStatusPubSubType, thalweg_msgs::msg::OdometryStatusPubSubType,
+    thalweg_msgs::msg::OperatorCommandPubSubType, thalweg_msgs::msg::ReplayCommandPubSubType,
+    thalweg_msgs::msg::ReplayStatusPubSubType, thalweg_msgs::msg::ServiceHealthPubSubType,
+    thalweg_msgs::msg::SimulationStatusPubSubType, thalweg_msgs::msg::SurfaceRiftsPubSubType,
+    thalweg_msgs::msg::SurfaceStatusPubSubType, thalweg_msgs::msg::SurfaceUpdatePubSubType,
+    trajectory_msgs::msg::MultiDOFJointTrajectoryPubSubType, visualization_msgs::msg::MarkerArrayPubSubType>;
 static_assert(Supports::IncludeAll(static_cast<const topics::All*>(nullptr)),
               "a topic's type is missing from Supports");
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "common/geometry/pinhole_camera.h"
 #include "common/geometry/rigid_transform.h"
@@ -11,6 +13,9 @@ namespace thalweg {
 enum class Attitude {
   kFree,   ///< Any: turns about any axis at the same rate.
   kLevel,  ///< Upright, as a multirotor that moves slowly: turns about the vertical only.
+  /// Upright, too, with a camera on a gimbal, which pitches. B is what the gimbal carries: its heading is the
+  /// robot's, its pitch the gimbal's.
+  kGimbal,
 };
 
 /// How a robot that drives can move.
@@ -28,14 +33,29 @@ struct RobotModel {
   bool drives = false;
   Drive drive = Drive::kOmni;          ///< Matters only if it drives.
   double max_speed = 0.5;              ///< [m/s]
-  double max_acceleration = 1.0;       ///< [m/s^2]
+  double max_acceleration = 1.0;       ///< [m/s^2] Along its path, and across it.
+  double max_jerk = 0.0;               ///< [m/s^3] Greatest change of the acceleration; 0 = any.
   double max_turn_rate = 1.6;          ///< [rad/s] About any axis that it can turn about.
   double max_turn_acceleration = 4.0;  ///< [rad/s^2]
+  // The gimbal's limits.
+  double gimbal_lowest = -0.5 * std::numbers::pi;   ///< [rad] Pitch; positive upward.
+  double gimbal_highest = std::numbers::pi / 6.0;   ///< [rad]
+  double max_gimbal_rate = std::numbers::pi / 3.0;  ///< [rad/s]
   /// Pose of the camera in the body.
   RigidTransform T_BC = MakeTransform(BodyFromOptical(), Eigen::Vector3d::Zero());
 
   /// Whether it turns about the vertical only.
   bool level() const { return drives || attitude == Attitude::kLevel; }
+  bool gimballed() const { return !drives && attitude == Attitude::kGimbal; }
+  /// Whether it turns about any axis.
+  bool turns_freely() const { return !drives && attitude == Attitude::kFree; }
+  /// [rad] The pitch nearest to the given one that it can have without roll.
+  double PitchWithin(double pitch) const {
+    return level() ? 0.0 : gimballed() ? std::clamp(pitch, gimbal_lowest, gimbal_highest) : pitch;
+  }
+  /// [s] Over which a motion within max_acceleration must be averaged to have no more than max_jerk: each of
+  /// the accelerations along and across may change from one limit to the other at once.
+  double smoothing() const { return max_jerk > 0.0 ? std::sqrt(8.0) * max_acceleration / max_jerk : 0.0; }
   /// Whether it moves only where it faces.
   bool faces_travel() const { return drives && drive == Drive::kDifferential; }
 };

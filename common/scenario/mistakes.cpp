@@ -3,12 +3,14 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <regex>
 #include <set>
 #include <sstream>
 #include <utility>
 
+#include "common/base/angles.h"
 #include "common/base/check.h"
 #include "common/base/text.h"
 #include "common/scenario/models.h"
@@ -237,6 +239,49 @@ void CheckRobot(const Scenario& scenario, std::vector<Mistake>& mistakes) {
        height});
 }
 
+void CheckGimbal(const Scenario& scenario, std::vector<Mistake>& mistakes) {
+  const RobotModel robot = RobotFrom(scenario);
+  if (!robot.gimballed()) return;
+  const FieldPath attitude = PathOf("robot", "attitude");
+  if (robot.gimbal_lowest > robot.gimbal_highest) {
+    const FieldPath highest = PathOf("robot", "gimbal_max_pitch_deg");
+    mistakes.push_back({PathOf("robot", "gimbal_min_pitch_deg"),
+                        "is " + NumberText(robot.gimbal_lowest / kDegree) + ", must be at most " +
+                            ToString(highest) + ", " + NumberText(robot.gimbal_highest / kDegree),
+                        highest});
+  }
+  if (!robot.T_BC.translation().isZero()) {
+    mistakes.push_back({PathOf("robot", "camera_position_m"),
+                        "must be 0 for a robot whose " + ToString(attitude) +
+                            " is GIMBAL: base_link is at the gimbal's axis",
+                        attitude});
+  }
+}
+
+/// Checks that a smoothed motion stays on its path, which it leaves in curves by a^3 / (3 j^2) at most.
+void CheckJerk(const Scenario& scenario, std::vector<Mistake>& mistakes) {
+  constexpr double kMostCut = 0.01;  // [m]
+  const RobotModel robot = RobotFrom(scenario);
+  if (robot.max_jerk == 0.0) return;
+  if (robot.faces_travel()) {
+    const FieldPath drive = PathOf("robot", "drive");
+    mistakes.push_back({PathOf("robot", "max_jerk_mps3"),
+                        "is " + NumberText(robot.max_jerk) + ", must be 0 for a robot whose " +
+                            ToString(drive) + " is DIFFERENTIAL: smoothed, it would slide sideways",
+                        drive});
+    return;
+  }
+  const double a = robot.max_acceleration;
+  const double least = std::sqrt(a * a * a / (3.0 * kMostCut));
+  if (robot.max_jerk >= least) return;
+  const FieldPath acceleration = PathOf("robot", "max_acceleration_mps2");
+  mistakes.push_back({PathOf("robot", "max_jerk_mps3"),
+                      "is " + NumberText(robot.max_jerk) + ", must be 0 or at least " +
+                          NumberText(std::ceil(least * 10.0) / 10.0) + " for " + ToString(acceleration) +
+                          ", " + NumberText(a) + ": else curves are cut by more than 1 cm",
+                      acceleration});
+}
+
 /// Checks for values that are too fine or too coarse for the voxel size.
 void CheckVoxels(const Scenario& scenario, std::vector<Mistake>& mistakes) {
   const Mapper& mapper = scenario.mapper();
@@ -310,6 +355,8 @@ std::vector<Agreement> Agreements() {
           {CheckSources, {}},
           {CheckNames, {}},
           {CheckRobot, {PathOf("robot", "height_m")}},
+          {CheckGimbal, {PathOf("robot", "gimbal_min_pitch_deg"), PathOf("robot", "gimbal_max_pitch_deg")}},
+          {CheckJerk, {PathOf("robot", "max_jerk_mps3"), PathOf("robot", "max_acceleration_mps2")}},
           {CheckVoxels,
            {PathOf("mapper", "voxel_size_m"), PathOf("mapper", "max_range_m"), PathOf("robot", "radius_m"),
             PathOf("explorer", "safety_margin_m")}}};

@@ -9,13 +9,18 @@ namespace thalweg {
 void Visit(OptionVisitor& visitor, RobotModel& robot) {
   visitor.Number("radius_m", robot.radius);
   visitor.Number("height_m", robot.height);
-  visitor.Choice("attitude", robot.attitude, {{"FREE", Attitude::kFree}, {"LEVEL", Attitude::kLevel}});
+  visitor.Choice("attitude", robot.attitude,
+                 {{"FREE", Attitude::kFree}, {"LEVEL", Attitude::kLevel}, {"GIMBAL", Attitude::kGimbal}});
   visitor.Switch("drives", robot.drives);
   visitor.Choice("drive", robot.drive, {{"OMNI", Drive::kOmni}, {"DIFFERENTIAL", Drive::kDifferential}});
   visitor.Number("max_speed_mps", robot.max_speed);
   visitor.Number("max_acceleration_mps2", robot.max_acceleration);
+  visitor.Number("max_jerk_mps3", robot.max_jerk);
   visitor.Degrees("max_turn_rate_dps", robot.max_turn_rate);
   visitor.Degrees("max_turn_acceleration_dps2", robot.max_turn_acceleration);
+  visitor.Degrees("gimbal_min_pitch_deg", robot.gimbal_lowest);
+  visitor.Degrees("gimbal_max_pitch_deg", robot.gimbal_highest);
+  visitor.Degrees("max_gimbal_rate_dps", robot.max_gimbal_rate);
   Eigen::Vector3d p_B = robot.T_BC.translation();
   if (visitor.Vector("camera_position_m", p_B)) robot.T_BC.translation() = p_B;
   const Eigen::Vector3d ahead_B = robot.T_BC.linear() * Eigen::Vector3d::UnitZ();

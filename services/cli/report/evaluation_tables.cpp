@@ -81,18 +81,19 @@ Table SummaryTable(std::span<const Outcome> outcomes) {
 
 Table TimeTable(std::span<const Outcome> outcomes) {
   Table table;
-  table.header = {"scenario",   "strategy",    "time [s]",     "s to 95 %",    "s to 99 %",
-                  "moving [s]", "turning [s]", "standing",     "stops",        "speed [m/s]",
-                  "most [m/s]", "most [m/s2]", "most [deg/s]", "most [deg/s2]"};
+  table.header = {"scenario",   "strategy",    "time [s]",    "s to 95 %",    "s to 99 %",
+                  "moving [s]", "turning [s]", "standing",    "stops",        "speed [m/s]",
+                  "most [m/s]", "most [m/s2]", "most [m/s3]", "most [deg/s]", "most [deg/s2]"};
   for (std::size_t n = 0; n < table.header.size(); ++n) table.terminal_columns.push_back(n);
   for (const Summary& summary : Summarize(outcomes)) {
-    table.rows.push_back(
-        {summary.scenario, summary.strategy, Number(summary.duration.mean, 1),
-         Number(summary.time_to.at(95).mean, 1), Number(summary.time_to.at(99).mean, 1),
-         Number(summary.moving.mean, 1), Number(summary.turning.mean, 1), Number(summary.standing.mean, 1),
-         Number(summary.stops.mean, 1), Number(summary.speed.mean, 2), Number(summary.motion.most_speed, 2),
-         Number(summary.motion.most_acceleration, 2), Number(summary.motion.most_turn_rate / kDegree, 0),
-         Number(summary.motion.most_turn_acceleration / kDegree, 0)});
+    table.rows.push_back({summary.scenario, summary.strategy, Number(summary.duration.mean, 1),
+                          Number(summary.time_to.at(95).mean, 1), Number(summary.time_to.at(99).mean, 1),
+                          Number(summary.moving.mean, 1), Number(summary.turning.mean, 1),
+                          Number(summary.standing.mean, 1), Number(summary.stops.mean, 1),
+                          Number(summary.speed.mean, 2), Number(summary.motion.most_speed, 2),
+                          Number(summary.motion.most_acceleration, 2), Number(summary.motion.most_jerk, 0),
+                          Number(summary.motion.most_turn_rate / kDegree, 0),
+                          Number(summary.motion.most_turn_acceleration / kDegree, 0)});
   }
   return table;
 }
@@ -123,8 +124,8 @@ std::vector<std::string> NotesOn(std::span<const std::string> columns) {
        "moving, turning, standing: the robot moved; stood and turned; did neither; stops: times that it came "
        "to stand"},
       {"most [m/s]",
-       "speed: path / time; most: greatest speed, acceleration, turn rate and turn acceleration of all runs, "
-       "from the poses; accelerations over 0.1 s, which mean nothing in kinematic motion"},
+       "speed: path / time; most: greatest speed, acceleration, jerk, turn rate and turn acceleration of "
+       "all runs, from the poses; accelerations and jerk over 0.1 s, which mean nothing in kinematic motion"},
       {"replans", "replans: paths abandoned as unsafe, mean of the runs"},
       {"reversals", "reversals: paths that start against the direction of travel, mean of the runs"},
       {"plan p95 [ms]", "plan: time of one complete decision; median over the runs of each run's percentile"},

@@ -8,11 +8,17 @@
 #include "common/dds/clock_problem.h"
 #include "common/dds/convert.h"
 #include "services/controller/adapter/text.h"
+#include "services/controller/adapter/trajectory_message.h"
 
 namespace thalweg::controller {
 namespace {
 
 namespace topics = dds::topics;
+
+// How trajectories are published.
+constexpr Duration kTrajectoryPeriod = std::chrono::milliseconds(200);
+constexpr double kTrajectoryStep = 0.1;     // [s]
+constexpr double kTrajectoryHorizon = 5.0;  // [s]
 
 thalweg_msgs::msg::MotionState StateToIdl(MotionState state) {
   switch (state) {
@@ -76,6 +82,7 @@ ControllerService::ControllerService(const ControllerOptions& options, dds::Bus&
       pose_out_(bus.Advertise<topics::PoseCommand>()),
       velocity_out_(bus.Advertise<topics::VelocityCommand>()),
       stamped_velocity_out_(bus.Advertise<topics::StampedVelocityCommand>()),
+      trajectory_out_(bus.Advertise<topics::Trajectory>()),
       status_out_(bus.Advertise<topics::MotionStatus>()) {
   bus.Subscribe<topics::Path>([this](const auto& message) { OnPath(message); });
   bus.Subscribe<topics::Odometry>([this](const auto& message) { OnOdometry(message); });
@@ -146,7 +153,16 @@ void ControllerService::OnTick() {
   }
   LogStop(motion);
   const bool changed = motion.state != last_state_ || motion.path_id != last_path_;
-  if (changed || now < status_sent_ || now - status_sent_ >= status_period_) PublishStatus(motion, now);
+  const auto due = [&](Time sent, Duration period) { return changed || now < sent || now - sent >= period; };
+  if (due(trajectory_sent_, kTrajectoryPeriod)) PublishTrajectory(now);
+  if (due(status_sent_, status_period_)) PublishStatus(motion, now);
+}
+
+void ControllerService::PublishTrajectory(Time now) {
+  trajectory_sent_ = now;
+  if (trajectory_out_.readers() == 0) return;
+  const std::vector<TrajectoryPoint> points = follower_.Preview(kTrajectoryStep, kTrajectoryHorizon);
+  if (!points.empty()) trajectory_out_.Write(TrajectoryToIdl(now, points));
 }
 
 void ControllerService::LogStop(const Motion& motion) {

@@ -11,7 +11,7 @@ namespace thalweg::controller {
 
 /// Runs the path follower on the bus: reads the path, the map if paths are checked, the exploration's state,
 /// odometry and odometry status, and publishes pose commands, velocity commands and the motion status at a
-/// fixed rate of the bus's clock.
+/// fixed rate of the bus's clock, and while somebody listens the motion to come.
 class ControllerService {
  public:
   ControllerService(const ControllerOptions& options, dds::Bus& bus);
@@ -24,6 +24,7 @@ class ControllerService {
   void OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message);
   void AskForMap();
   void OnTick();
+  void PublishTrajectory(Time now);
   void LogStop(const Motion& motion);
   void PublishStatus(const Motion& motion, Time now);
 
@@ -35,10 +36,12 @@ class ControllerService {
   dds::Bus::Publisher<dds::topics::PoseCommand> pose_out_;
   dds::Bus::Publisher<dds::topics::VelocityCommand> velocity_out_;
   dds::Bus::Publisher<dds::topics::StampedVelocityCommand> stamped_velocity_out_;
+  dds::Bus::Publisher<dds::topics::Trajectory> trajectory_out_;
   dds::Bus::Publisher<dds::topics::MotionStatus> status_out_;
   std::optional<dds::Bus::Publisher<dds::topics::MapRequests>> request_out_;
   Time odometry_stamp_;
   Time status_sent_;
+  Time trajectory_sent_;
   MotionState last_state_ = MotionState::kIdle;
   Time last_path_;
   std::string last_reason_;  ///< Why the robot was stopped, as last logged.

@@ -1,5 +1,7 @@
 #include "services/controller/adapter/options.h"
 
+#include <cmath>
+
 #include "common/base/text.h"
 #include "common/scenario/models.h"
 #include "common/scenario/option_binding.h"
@@ -45,6 +47,17 @@ std::vector<Mistake> MistakesIn(const Scenario& scenario) {
                         .text = "is " + NumberText(options.cut_off.after) + ", must be at least " +
                                 ToString(silence) + ", " + NumberText(options.silence) + " s",
                         .other = silence});
+  }
+  // A robot with limited jerk takes longer to stop. Paths are repeated ten times a second.
+  const PathFollower::Options& o = options;
+  const double stop = o.max_speed / (o.max_acceleration * o.emergency_factor) + o.smoothing + 0.15;
+  if (o.smoothing > 0.0 && o.silence < stop) {
+    const FieldPath jerk = PathOf("robot", "max_jerk_mps3");
+    mistakes.push_back({.field = PathOf("controller", "silence_s"),
+                        .text = "is " + NumberText(o.silence) + ", must be at least " +
+                                NumberText(std::ceil(stop * 100.0) / 100.0) + " s with this " +
+                                ToString(jerk) + ": a robot at its greatest speed takes that long to stop",
+                        .other = jerk});
   }
   const bool unchecked = scenario.controller().has_check_paths() && !scenario.controller().check_paths();
   if (options.cut_off.action == OnCutOff::kGoOn && unchecked) {

@@ -30,12 +30,6 @@ Eigen::Vector3d LogOf(const Eigen::Quaterniond& q) {
   return turn.angle() * turn.axis();
 }
 
-Eigen::Quaterniond ExpOf(const Eigen::Vector3d& rotation) {
-  const double angle = rotation.norm();
-  if (angle < 1e-12) return Eigen::Quaterniond::Identity();
-  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation / angle));
-}
-
 /// Highest speed from which the robot can still stop within the distance `left`.
 double BrakingSpeed(double left, double deceleration) {
   return std::sqrt(2.0 * deceleration * std::max(0.0, left));
@@ -47,23 +41,32 @@ PathFollower::Options PathFollower::OptionsFor(const RobotModel& robot) {
   Options options;
   options.max_speed = robot.max_speed;
   options.max_acceleration = robot.max_acceleration;
+  options.smoothing = robot.smoothing();
   options.max_turn_rate = robot.max_turn_rate;
   options.max_turn_acceleration = robot.max_turn_acceleration;
+  if (robot.gimballed()) options.max_gimbal_rate = robot.max_gimbal_rate;
   options.faces_travel = robot.faces_travel();
   return options;
 }
 
 PathFollower::PathFollower(const Options& options)
     : options_(options),
-      max_lead_(options.max_speed * (0.5 * options.max_speed / options.max_acceleration + options.delay)),
+      max_lead_(options.max_speed * (0.5 * options.max_speed / options.max_acceleration + options.delay +
+                                     0.5 * options.smoothing)),
       max_angle_lead_(options.max_turn_rate *
                       (0.5 * options.max_turn_rate / options.max_turn_acceleration + options.delay)),
       cut_off_(options.cut_off),
+      orientation_({.rate = options.max_turn_rate,
+                    .acceleration = options.max_turn_acceleration,
+                    .gimbal_rate = options.max_gimbal_rate}),
       retreat_(options.retreat) {
   if (options.checked_body) check_.emplace(*options.checked_body);
+  if (options.smoothing > 0.0) smoother_.emplace(options.smoothing);
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
   Require(positive(options.max_speed), "max_speed", options.max_speed, "> 0");
   Require(positive(options.max_acceleration), "max_acceleration", options.max_acceleration, "> 0");
+  Require(std::isfinite(options.smoothing) && options.smoothing >= 0.0, "smoothing", options.smoothing,
+          ">= 0");
   Require(positive(options.max_turn_rate), "max_turn_rate", options.max_turn_rate, "> 0");
   Require(positive(options.max_turn_acceleration), "max_turn_acceleration", options.max_turn_acceleration,
           "> 0");
@@ -133,12 +136,14 @@ Motion PathFollower::Step(Time now) {
     if (joined_) CheckTrack();
     const StopReason emergency = Emergency(now);
     Advance(emergency, dt_);
+    if (smoother_ && has_command_) smoother_->Move(p_W_, dt_);
     if (state_ == MotionState::kFollowing) Judge(now);
     const bool goes_on = !path_silent_ && Seconds(now - path_heard_) >= options_.silence;
     if (goes_on && state_ == MotionState::kFollowing && reason_ == StopReason::kNone)
       reason_ = StopReason::kGoingOn;
     if (Lost(now) && !path_silent_ && Standing()) GoBack(dt_);
-    if (has_command_ && !back_) retreat_.Note(MakeTransform(q_WB_.toRotationMatrix(), p_W_));
+    if (has_command_ && !back_)
+      retreat_.Note(MakeTransform(orientation_.q_WB().toRotationMatrix(), CommandedPosition()));
     if (path_back_ && joined_) path_back_left_ = track_->length() - s_;
     if (path_back_ && joined_ && state_ == MotionState::kDone) {
       EndPathBack(now);
@@ -163,8 +168,8 @@ double PathFollower::StepLength(Time now) {
 bool PathFollower::Silent(Time heard, Time now) const {
   const double braking =
       std::max(speed_ / (options_.max_acceleration * options_.emergency_factor),
-               rate_B_.norm() / (options_.max_turn_acceleration * options_.emergency_factor));
-  return Seconds(now - heard) + braking + 2.0 * dt_ >= options_.silence;
+               orientation_.rate_B().norm() / (options_.max_turn_acceleration * options_.emergency_factor));
+  return Seconds(now - heard) + braking + options_.smoothing + 2.0 * dt_ >= options_.silence;
 }
 
 void PathFollower::BeginPathBack(Time now) {
@@ -263,18 +268,18 @@ void PathFollower::BrakeHard(double dt) {
   if (!has_command_) return;
   const double f = options_.emergency_factor;
   Travel(std::max(0.0, speed_ - f * options_.max_acceleration * dt), dt);
-  Rotate(rate_B_ - ClampNorm(rate_B_, f * options_.max_turn_acceleration * dt), dt);
+  if (dt > 0.0) orientation_.Brake(f, dt);
 }
 
 void PathFollower::GoBack(double dt) {
   if (!has_command_ || dt <= 0.0) return;
-  const RigidTransform T_WB = MakeTransform(q_WB_.toRotationMatrix(), p_W_);
+  const RigidTransform T_WB = MakeTransform(orientation_.q_WB().toRotationMatrix(), p_W_);
   const auto back = retreat_.Back(T_WB, dt);
   if (!back) return;
   joined_ = false;
   track_.reset();
-  p_W_ = back->translation();
-  q_WB_ = Eigen::Quaterniond(back->linear());
+  Place(back->translation());
+  orientation_.Place(Eigen::Quaterniond(back->linear()));
   back_ = MotionCommand{.T_WB = *back,
                         .v_WB_B = back->linear().transpose() * (p_W_ - T_WB.translation()) / dt,
                         .w_WB_B = LogOf(Eigen::Quaterniond(T_WB.linear().transpose() * back->linear())) / dt};
@@ -315,22 +320,13 @@ Eigen::Quaterniond PathFollower::WantedOrientation() const {
 
 bool PathFollower::MustTurnFirst() const {
   if (!options_.faces_travel || s_ >= track_->length()) return false;
-  return q_WB_.angularDistance(WantedOrientation()) > (speed_ == 0.0 ? kAligned : kAstray);
+  return orientation_.q_WB().angularDistance(WantedOrientation()) > (speed_ == 0.0 ? kAligned : kAstray);
 }
 
 void PathFollower::Turn(double dt) {
   if (!track_ || dt <= 0.0) return;
-  const double a = options_.max_turn_acceleration;
-  const Eigen::Vector3d error_B = LogOf(q_WB_.conjugate() * WantedOrientation());
-  const double angle = error_B.norm();
-  // The rotation of this step, rate * dt, plus the braking after it, rate^2 / 2a - rate dt / 2, must fit in
-  // the angle.
-  const double half = 0.5 * a * dt;
-  const double rate = std::min({options_.max_turn_rate, std::sqrt(half * half + 2.0 * a * angle) - half,
-                                angle / dt, BrakingSpeed(max_angle_lead_ - AngleLead(), a)});
-  Eigen::Vector3d wanted_B = Eigen::Vector3d::Zero();
-  if (angle > 0.0) wanted_B = error_B * (rate / angle);
-  Rotate(rate_B_ + ClampNorm(wanted_B - rate_B_, a * dt), dt);
+  orientation_.TurnTo(WantedOrientation(),
+                      BrakingSpeed(max_angle_lead_ - AngleLead(), options_.max_turn_acceleration), dt);
 }
 
 void PathFollower::Travel(double next_speed, double dt) {
@@ -345,23 +341,32 @@ void PathFollower::Travel(double next_speed, double dt) {
   p_W_ = track_->PositionAt(s_);
 }
 
-void PathFollower::Rotate(const Eigen::Vector3d& rate_B, double dt) {
-  rate_B_ = rate_B;
-  q_WB_ = (q_WB_ * ExpOf(rate_B * dt)).normalized();
-}
-
 void PathFollower::StandAtRobot() {
   has_command_ = true;
-  p_W_ = pose_->T_WB.translation();
-  q_WB_ = Eigen::Quaterniond(pose_->T_WB.linear());
+  Place(pose_->T_WB.translation());
+  orientation_.Place(Eigen::Quaterniond(pose_->T_WB.linear()));
   speed_ = 0.0;
-  rate_B_.setZero();
   track_.reset();
   s_ = 0.0;
 }
 
+void PathFollower::Place(const Eigen::Vector3d& p_W) {
+  p_W_ = p_W;
+  if (smoother_) smoother_->Restart(p_W);
+}
+
+Eigen::Vector3d PathFollower::CommandedPosition() const {
+  return smoother_ ? smoother_->position() : p_W_;
+}
+
+Eigen::Vector3d PathFollower::CommandedVelocity() const {
+  if (smoother_) return smoother_->velocity();
+  return track_ ? Eigen::Vector3d(speed_ * track_->DirectionAt(s_)) : Eigen::Vector3d::Zero();
+}
+
 bool PathFollower::Standing() const {
-  return speed_ == 0.0 && rate_B_.norm() < kNothing;
+  return speed_ == 0.0 && orientation_.rate_B().norm() < kNothing &&
+         (!smoother_ || !has_command_ || smoother_->stands());
 }
 
 bool PathFollower::LeftPath() const {
@@ -376,7 +381,8 @@ bool PathFollower::Blocked() const {
 }
 
 bool PathFollower::CommandAtEnd() const {
-  return s_ >= track_->length() && Standing() && q_WB_.angularDistance(track_->end_orientation()) < kNothing;
+  return s_ >= track_->length() && Standing() &&
+         orientation_.q_WB().angularDistance(track_->end_orientation()) < kNothing;
 }
 
 bool PathFollower::RobotAtEnd() const {
@@ -391,7 +397,7 @@ void PathFollower::Judge(Time now) {
   if (waiting && !waiting_since_) waiting_since_ = now;
   if (waiting && RobotAtEnd()) {
     state_ = MotionState::kDone;
-    rate_B_.setZero();
+    orientation_.Stop();
   } else if ((waiting && Seconds(now - *waiting_since_) > options_.patience) || (!waiting && Blocked())) {
     state_ = MotionState::kStopped;
     reason_ = StopReason::kBlocked;
@@ -404,7 +410,7 @@ Motion PathFollower::Report() const {
   Motion motion;
   motion.state = state_;
   motion.reason = reason_;
-  motion.speed = speed_;
+  motion.speed = smoother_ && has_command_ ? smoother_->velocity().norm() : speed_;
   if (!path_) {
     motion.reason = StopReason::kNoPath;
     return motion;
@@ -430,16 +436,17 @@ Motion PathFollower::Report() const {
 MotionCommand PathFollower::MakeCommand() const {
   if (back_) return *back_;
   const Eigen::Quaterniond q_BW = Eigen::Quaterniond(pose_->T_WB.linear()).conjugate();
-  MotionCommand command{.T_WB = MakeTransform(q_WB_.toRotationMatrix(), p_W_)};
+  const Eigen::Vector3d p_W = CommandedPosition();
+  MotionCommand command{.T_WB = MakeTransform(orientation_.q_WB().toRotationMatrix(), p_W)};
   if (options_.faces_travel) {
-    Steer(q_BW * (p_W_ - pose_->T_WB.translation()), LogOf(q_BW * q_WB_).z(), command);
+    Steer(q_BW * (p_W - pose_->T_WB.translation()), LogOf(q_BW * orientation_.q_WB()).z(), command);
     return command;
   }
-  Eigen::Vector3d v_W = track_ ? Eigen::Vector3d(speed_ * track_->DirectionAt(s_)) : Eigen::Vector3d::Zero();
-  Eigen::Vector3d w_B = q_BW * (q_WB_ * rate_B_);
+  Eigen::Vector3d v_W = CommandedVelocity();
+  Eigen::Vector3d w_B = q_BW * (orientation_.q_WB() * orientation_.rate_B());
   if (state_ == MotionState::kFollowing) {
-    v_W += options_.feedback * (p_W_ - pose_->T_WB.translation());
-    w_B += options_.feedback * LogOf(q_BW * q_WB_);
+    v_W += options_.feedback * (p_W - pose_->T_WB.translation());
+    w_B += options_.feedback * LogOf(q_BW * orientation_.q_WB());
   }
   command.v_WB_B = ClampNorm(q_BW * v_W, options_.max_speed);
   command.w_WB_B = ClampNorm(w_B, options_.max_turn_rate);
@@ -448,7 +455,7 @@ MotionCommand PathFollower::MakeCommand() const {
 
 void PathFollower::Steer(const Eigen::Vector3d& behind_B, double turned_away, MotionCommand& command) const {
   double forward = speed_ * std::cos(turned_away);
-  double turn = rate_B_.z();
+  double turn = orientation_.rate_B().z();
   if (state_ == MotionState::kFollowing) {
     const double gain = options_.feedback;
     const double speed = std::max(speed_, kSlowestSteering);
@@ -464,7 +471,7 @@ double PathFollower::Lead() const {
 }
 
 double PathFollower::AngleLead() const {
-  return q_WB_.angularDistance(Eigen::Quaterniond(pose_->T_WB.linear()));
+  return orientation_.q_WB().angularDistance(Eigen::Quaterniond(pose_->T_WB.linear()));
 }
 
 }  // namespace thalweg::controller

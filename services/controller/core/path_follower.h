@@ -8,8 +8,10 @@
 #include "common/geometry/rigid_transform.h"
 #include "common/geometry/robot_model.h"
 #include "services/controller/core/cut_off.h"
+#include "services/controller/core/orientation.h"
 #include "services/controller/core/path_check.h"
 #include "services/controller/core/retreat.h"
+#include "services/controller/core/smoother.h"
 #include "services/controller/core/track.h"
 
 namespace thalweg::controller {
@@ -55,16 +57,26 @@ struct Motion {
   std::optional<MotionCommand> command = {};       ///< Empty until there has been a path and a pose.
 };
 
+/// A moment of a motion to come.
+struct TrajectoryPoint {
+  double time = 0.0;  ///< [s] from its beginning.
+  RigidTransform T_WB;
+  Eigen::Vector3d v_W = Eigen::Vector3d::Zero();  ///< [m/s]
+  Eigen::Vector3d w_W = Eigen::Vector3d::Zero();  ///< [rad/s]
+  Eigen::Vector3d a_W = Eigen::Vector3d::Zero();  ///< [m/s^2]
+};
+
 /// Leads the robot along a path by moving a pose command exactly along its polyline, within limits of speed,
-/// acceleration and turn rate.
+/// acceleration and turn rate. If jerk is limited, too, the command's position is the mean of that over the
+/// last moments (see Smoother).
 ///
 /// Position: the speed along the arc follows a trapezoidal profile that slows down at each corner (see
 /// Track). Orientation: the command rotates by the shortest arc toward the orientation of the next vertex,
-/// with limited rate and acceleration; the position waits for it only at the end of the path. A robot that
-/// must face where it moves is turned along the path instead, on the spot at sharp corners, and takes the
-/// last vertex's orientation when it has arrived. Its velocity command has no sideways part: it steers back
-/// to the pose command [Kanayama et al., A stable tracking control method for an autonomous mobile robot,
-/// ICRA 1990], critically damped.
+/// with limited rate and acceleration (see Orientation); the position waits for it only at the end of the
+/// path. A robot that must face where it moves is turned along the path instead, on the spot at sharp
+/// corners, and takes the last vertex's orientation when it has arrived. Its velocity command has no sideways
+/// part: it steers back to the pose command [Kanayama et al., A stable tracking control method for an
+/// autonomous mobile robot, ICRA 1990], critically damped.
 ///
 /// Safety: when path or pose messages stop arriving, the command brakes so that it stands still at most
 /// `silence` after the last message. The command is never farther ahead of the robot than the robot's braking
@@ -80,10 +92,12 @@ struct Motion {
 class PathFollower {
  public:
   struct Options {
-    double max_speed = RobotModel{}.max_speed;                          ///< [m/s]
-    double max_acceleration = RobotModel{}.max_acceleration;            ///< [m/s^2]
+    double max_speed = RobotModel{}.max_speed;                ///< [m/s]
+    double max_acceleration = RobotModel{}.max_acceleration;  ///< [m/s^2]
+    double smoothing = 0.0;  ///< [s] Over which positions are averaged; 0 = not. See RobotModel::smoothing.
     double max_turn_rate = RobotModel{}.max_turn_rate;                  ///< [rad/s]
     double max_turn_acceleration = RobotModel{}.max_turn_acceleration;  ///< [rad/s^2]
+    double max_gimbal_rate = 0.0;                     ///< [rad/s] The pitch's; 0 = there is no gimbal.
     bool faces_travel = RobotModel{}.faces_travel();  ///< The robot is level and moves only where it faces.
     double emergency_factor = 2.5;  ///< Emergency braking relative to the accelerations above.
     double corner_step =
@@ -126,6 +140,11 @@ class PathFollower {
   /// Advances to `now`; must be called often. A gap of more than 0.1 s counts as 0.1 s.
   Motion Step(Time now);
 
+  /// How the command moves from the last step on if the robot follows it and all that was heard last stays
+  /// so: along the path, for `horizon` [s] at most, and to a stop. Ends at rest. @param step  [s] Between the
+  /// points, > 0. @return Empty while there is no command; one point for a robot that is to stand.
+  std::vector<TrajectoryPoint> Preview(double step, double horizon) const;
+
   const Options& options() const { return options_; }
 
  private:
@@ -162,9 +181,13 @@ class PathFollower {
   Eigen::Quaterniond WantedOrientation() const;
   bool MustTurnFirst() const;
   void Travel(double next_speed, double dt);
-  void Rotate(const Eigen::Vector3d& rate_B, double dt);
   void StandAtRobot();
+  void Place(const Eigen::Vector3d& p_W);
+  Eigen::Vector3d CommandedPosition() const;
+  Eigen::Vector3d CommandedVelocity() const;
   bool Standing() const;
+  void HearAgain(Time now);
+  TrajectoryPoint Moment(double time) const;
   bool LeftPath() const;
   bool Blocked() const;
   bool CommandAtEnd() const;
@@ -204,11 +227,11 @@ class PathFollower {
   // The command, which lies on track_ if there is one.
   bool has_command_ = false;
   std::optional<Track> track_;
-  double s_ = 0.0;      ///< [m]
-  double speed_ = 0.0;  ///< [m/s]
-  Eigen::Vector3d p_W_ = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond q_WB_ = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d rate_B_ = Eigen::Vector3d::Zero();  ///< [rad/s]
+  double s_ = 0.0;                                 ///< [m]
+  double speed_ = 0.0;                             ///< [m/s]
+  Eigen::Vector3d p_W_ = Eigen::Vector3d::Zero();  ///< Before it is smoothed.
+  std::optional<Smoother> smoother_;               ///< Follows p_W_, if jerk is limited.
+  Orientation orientation_;
 
   Retreat retreat_;
   std::optional<Time> lost_;           ///< Time of the last report.

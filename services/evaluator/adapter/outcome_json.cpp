@@ -59,6 +59,7 @@ Json JsonOf(const MotionFigures& motion) {
           {"stops", motion.stops},
           {"most_speed_mps", motion.most_speed},
           {"most_acceleration_mps2", motion.most_acceleration},
+          {"most_jerk_mps3", motion.most_jerk},
           {"most_sideways_speed_mps", motion.most_sideways_speed},
           {"most_turn_rate_radps", motion.most_turn_rate},
           {"most_turn_acceleration_radps2", motion.most_turn_acceleration}};
@@ -72,6 +73,7 @@ MotionFigures MotionFrom(const nlohmann::json& json) {
           .stops = json.at("stops"),
           .most_speed = json.at("most_speed_mps"),
           .most_acceleration = json.at("most_acceleration_mps2"),
+          .most_jerk = json.at("most_jerk_mps3"),
           .most_sideways_speed = json.at("most_sideways_speed_mps"),
           .most_turn_rate = json.at("most_turn_rate_radps"),
           .most_turn_acceleration = json.at("most_turn_acceleration_radps2")};
@@ -338,6 +340,7 @@ Json RowsOf(std::span<const Outcome> outcomes) {
     row["speed_mean_mps"] = OrNull(summary.speed.mean);
     row["most_speed_mps"] = summary.motion.most_speed;
     row["most_acceleration_mps2"] = summary.motion.most_acceleration;
+    row["most_jerk_mps3"] = summary.motion.most_jerk;
     row["most_turn_rate_radps"] = summary.motion.most_turn_rate;
     row["most_turn_acceleration_radps2"] = summary.motion.most_turn_acceleration;
     row["scans_mean"] = OrNull(summary.scans.mean);

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "common/base/check.h"
+#include "common/geometry/attitude.h"
 #include "services/controller/core/path_follower.h"
 #include "services/controller/core/retreat.h"
 #include "services/evaluator/core/contact_meter.h"
@@ -148,14 +149,14 @@ class Run {
     const bool turns_first = options_.robot.faces_travel() && AngleBetween(T_WB_, goal) > 1e-6;
     const double travel = turns_first ? 0.0 : std::min(offset_W.norm(), options_.robot.max_speed * step);
     if (offset_W.norm() > 0.0) T_WB_.translation() += offset_W.normalized() * travel;
-    T_WB_ = TurnedTowards(T_WB_, goal, options_.robot.max_turn_rate * step);
+    T_WB_ = TurnedFor(options_.robot, T_WB_, goal, step);
     if (own_pose_) {
       T_WB_true_ = T_WB_true_ * (before.inverse() * T_WB_);
       // An error in the estimated height or tilt neither lifts wheels off the ground nor tilts a level body.
       if (options_.robot.drives) {
         T_WB_true_ = InPlane(T_WB_true_, start_height_);
-      } else if (options_.robot.level()) {
-        T_WB_true_ = Leveled(T_WB_true_);
+      } else {
+        T_WB_true_ = Held(options_.robot, T_WB_true_);
       }
     } else {
       T_WB_true_ = T_WB_;

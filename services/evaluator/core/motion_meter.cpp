@@ -36,9 +36,15 @@ void MotionMeter::Move(const RigidTransform& T_WB, double dt) {
   figures_.most_turn_rate = std::max(figures_.most_turn_rate, w_W.norm());
   if (time_ - then.time < kWindow - 1e-9) return;
   const double span = time_ - then.time;
-  figures_.most_acceleration = std::max(figures_.most_acceleration, (v_W - then.v_W).norm() / span);
+  const Eigen::Vector3d a_W = (v_W - then.v_W) / span;
+  figures_.most_acceleration = std::max(figures_.most_acceleration, a_W.norm());
   figures_.most_turn_acceleration = std::max(figures_.most_turn_acceleration, (w_W - then.w_W).norm() / span);
   recent_.pop_front();
+  recent_accelerations_.push_back({time_, a_W});
+  const Acceleration& former = recent_accelerations_.front();
+  if (time_ - former.time < kWindow - 1e-9) return;
+  figures_.most_jerk = std::max(figures_.most_jerk, (a_W - former.a_W).norm() / (time_ - former.time));
+  recent_accelerations_.pop_front();
 }
 
 }  // namespace thalweg::evaluator

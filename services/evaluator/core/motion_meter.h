@@ -17,6 +17,7 @@ struct MotionFigures {
   // The greatest values, found by differentiating the poses.
   double most_speed = 0.0;              ///< [m/s]
   double most_acceleration = 0.0;       ///< [m/s^2] Over MotionMeter::kWindow, in any direction.
+  double most_jerk = 0.0;               ///< [m/s^3] The change of that acceleration, over kWindow again.
   double most_sideways_speed = 0.0;     ///< [m/s] Across the direction that the body faces, horizontally.
   double most_turn_rate = 0.0;          ///< [rad/s]
   double most_turn_acceleration = 0.0;  ///< [rad/s^2] Likewise.
@@ -45,7 +46,12 @@ class MotionMeter {
   RigidTransform T_WB_;
   double time_ = 0.0;  ///< [s]
   bool moved_ = false;
+  struct Acceleration {
+    double time;  ///< [s]
+    Eigen::Vector3d a_W;
+  };
   std::deque<Rates> recent_;  ///< The last window's, oldest first.
+  std::deque<Acceleration> recent_accelerations_;
 };
 
 }  // namespace thalweg::evaluator

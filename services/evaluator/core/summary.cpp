@@ -143,6 +143,7 @@ MotionFigures GreatestOf(const std::vector<const Outcome*>& outcomes) {
     const MotionFigures& of = outcome->motion;
     most.most_speed = std::max(most.most_speed, of.most_speed);
     most.most_acceleration = std::max(most.most_acceleration, of.most_acceleration);
+    most.most_jerk = std::max(most.most_jerk, of.most_jerk);
     most.most_sideways_speed = std::max(most.most_sideways_speed, of.most_sideways_speed);
     most.most_turn_rate = std::max(most.most_turn_rate, of.most_turn_rate);
     most.most_turn_acceleration = std::max(most.most_turn_acceleration, of.most_turn_acceleration);

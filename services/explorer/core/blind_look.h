@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "common/geometry/rigid_transform.h"
+#include "common/geometry/robot_model.h"
 
 namespace thalweg::explorer {
 
@@ -12,8 +13,8 @@ namespace thalweg::explorer {
 class BlindLook {
  public:
   /// The next orientation R_WB; empty when it has looked everywhere.
-  /// @param level  Whether the robot cannot look up and down.
-  std::optional<Eigen::Matrix3d> Next(const Eigen::Matrix3d& R_WB, bool level);
+  /// @param robot  One that is level does not look up and down, one with a gimbal as far as that goes.
+  std::optional<Eigen::Matrix3d> Next(const Eigen::Matrix3d& R_WB, const RobotModel& robot);
   /// Begins again, since free space is known.
   void Reset() { looks_ = 0; }
 

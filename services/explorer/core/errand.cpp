@@ -39,7 +39,7 @@ Eigen::Matrix3d Aimed(const Sighting& sighting, const Knowledge& knowledge, cons
   const Eigen::Vector3d& to = sighting.offset_W;
   const double flat = to.head<2>().norm();
   const double yaw = flat < kFlat ? YawOf(R_WB) : std::atan2(to.y(), to.x());
-  const double pitch = knowledge.views().level() ? 0.0 : std::atan2(to.z(), flat);
+  const double pitch = knowledge.views().robot().PitchWithin(std::atan2(to.z(), flat));
   Eigen::Matrix3d straight = RotationFromYawPitch(yaw, pitch);
   if (knowledge.views().Shows(straight, sighting)) return straight;
   return knowledge.views().Best({sighting}, {true}, {}, R_WB).R_WB;

@@ -133,7 +133,8 @@ bool Explorer::TargetIsSeen() const {
 
 std::optional<Task::Departure> Explorer::DepartureOf(const RigidTransform& T_WB, double speed) const {
   if (!minimizes_time() || !(speed > 0.0)) return std::nullopt;
-  const double decides = options_.decision_time;
+  // A robot whose motion is smoothed follows its path half of that time late.
+  const double decides = options_.decision_time + 0.5 * options_.robot.smoothing();
   const double brakes = 0.5 * speed * speed / options_.robot.max_acceleration;
   return task_.DepartAhead(T_WB, speed * decides + brakes,
                            decides + 0.5 * speed / options_.robot.max_acceleration,
@@ -258,7 +259,7 @@ std::optional<Task> Explorer::ResumeAfterTurn(const RigidTransform& T_WB) {
 }
 
 Task Explorer::LookForSpace(const RigidTransform& T_WB) {
-  const std::optional<Eigen::Matrix3d> R_WB = blind_look_.Next(T_WB.linear(), options_.robot.level());
+  const std::optional<Eigen::Matrix3d> R_WB = blind_look_.Next(T_WB.linear(), options_.robot);
   return R_WB ? maker().Turn(Purpose::kFindFreeSpace, *R_WB, T_WB) : Ended(Outcome::kNoFreeSpace);
 }
 

@@ -70,8 +70,8 @@ ExplorerOptions WithLoopRules(ExplorerOptions options) {
 }
 
 ExplorerOptions ReachingBeyondItsFeet(ExplorerOptions options) {
-  if (!options.robot.level()) return options;
-  const ViewPlanner views(options.camera, options.robot.T_BC.linear(), /*level=*/true);
+  if (options.robot.turns_freely()) return options;
+  const ViewPlanner views(options.camera, options.robot);
   const double half_height = options.robot.height > 0.0 ? 0.5 * options.robot.height : options.robot.radius;
   const double highest = half_height - options.robot.T_BC.translation().z();
   const double lowest = highest - 2.0 * half_height;

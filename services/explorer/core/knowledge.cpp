@@ -15,10 +15,7 @@ constexpr double kSameScanAngle = 5.0 * kDegree;  // [rad]
 }  // namespace
 
 Knowledge::Knowledge(const Options& options)
-    : options_(options),
-      map_(options.map),
-      memory_(options.memory),
-      views_(options.camera, options.robot.T_BC.linear(), options.robot.level()) {
+    : options_(options), map_(options.map), memory_(options.memory), views_(options.camera, options.robot) {
   if (!(options.look_range > 0.0)) throw std::invalid_argument("look_range must be > 0");
   if (!(options.min_measured_share >= 0.0 && options.min_measured_share <= 1.0))
     throw std::invalid_argument("min_measured_share must be 0 to 1");

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/check.h"
+#include "common/geometry/attitude.h"
 #include "services/simulator/core/reachable.h"
 
 namespace thalweg::simulator {
@@ -17,13 +18,13 @@ constexpr double kSteering = 0.3;
 }  // namespace
 
 SimulatedRobot::SimulatedRobot(const World& world, const RobotModel& model, const RigidTransform& T_WB)
-    : world_(world), model_(model), T_WB_(model.level() ? Leveled(T_WB) : T_WB) {
+    : world_(world), model_(model), T_WB_(Held(model, T_WB)) {
   CheckStart(world, T_WB.translation(), model);
   NoteClearance(clearance());
 }
 
 void SimulatedRobot::Command(const RigidTransform& T_WB) {
-  command_ = model_.drives ? InPlane(T_WB, T_WB_.translation().z()) : model_.level() ? Leveled(T_WB) : T_WB;
+  command_ = model_.drives ? InPlane(T_WB, T_WB_.translation().z()) : Held(model_, T_WB);
   command_age_ = 0.0;
 }
 
@@ -33,7 +34,7 @@ void SimulatedRobot::Step(double dt) {
   const double active = std::clamp(kCommandLifespan - command_age_, 0.0, dt);
   command_age_ += dt;
   if (command_ && active > 0.0) {
-    T_WB_ = TurnedTowards(T_WB_, *command_, model_.max_turn_rate * active);
+    T_WB_ = TurnedFor(model_, T_WB_, *command_, active);
     const Eigen::Vector3d& to_W = command_->translation();
     Move(model_.faces_travel() ? WithoutSliding(to_W) : to_W, model_.max_speed * active);
   }

@@ -26,7 +26,7 @@ class ObservableFill {
                     TrueMap::CameraOf(options, start_W)),
         voxel_size_(options.voxel_size),
         seen_(reachable) {
-    if (options.robot.level() && !options.robot.drives) KeepOnlyAround(VoxelAt(start_W, voxel_size_));
+    if (!options.robot.turns_freely() && !options.robot.drives) KeepOnlyAround(VoxelAt(start_W, voxel_size_));
     for (const Eigen::AlignedBox3d& box : world.no_go()) {
       no_go_.push_back(VoxelsWithin(box, options.voxel_size));
     }
@@ -50,8 +50,8 @@ class ObservableFill {
   }
 
  private:
-  /// A level camera may be where a body fits and see that place from nowhere, so that only the surroundings
-  /// of the start are taken for seen.
+  /// A camera that does not turn freely may be where a body fits and see that place from nowhere, so that
+  /// only the surroundings of the start are taken for seen.
   void KeepOnlyAround(const VoxelIndex& start) {
     for (std::size_t i = 0; i < seen_.size(); ++i) {
       if (!CubeAround(start, 1).Contains(seen_.IndexAt(i))) seen_[i] = 0;
@@ -109,7 +109,7 @@ double Share(std::size_t part, std::size_t all) {
 }  // namespace
 
 std::optional<LevelCamera> TrueMap::CameraOf(const Options& options, const Eigen::Vector3d& start_W) {
-  if (!options.robot.level()) return std::nullopt;
+  if (options.robot.turns_freely()) return std::nullopt;
   return LevelCameraOf(options.robot, options.camera, start_W);
 }
 

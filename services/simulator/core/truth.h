@@ -23,17 +23,17 @@ enum class TrueVoxel : std::uint8_t {
 
 /// Ground-truth occupancy, limited to what an exploration from a given start can observe: the reachable free
 /// space (positions of the robot's body that are connected to the start) and everything visible from it
-/// within range. For a robot that stays level, visible is what its camera sees meanwhile; for one that
-/// drives, reachable space is the layer that its body sweeps. A level robot that flies is taken to reach
-/// whatever it fits into, also upward through a shaft of which its camera sees nothing: an upper bound.
-/// Parts that move are taken to stand in no way and to hide nothing, as if each were out of the way at some
-/// time: an upper bound as well. What they sweep at any time is ambiguous.
+/// within range. For a robot that stays level, visible is what its camera sees meanwhile, at any pitch of its
+/// gimbal if it has one; for one that drives, reachable space is the layer that its body sweeps. A level
+/// robot that flies is taken to reach whatever it fits into, also upward through a shaft of which its camera
+/// sees nothing: an upper bound. Parts that move are taken to stand in no way and to hide nothing, as if each
+/// were out of the way at some time: an upper bound as well. What they sweep at any time is ambiguous.
 class TrueMap {
  public:
   struct Options {
     double voxel_size = MapModel{}.voxel_size;  ///< [m]
     RobotModel robot = {};
-    PinholeCamera camera = DepthSensorModel().camera;  ///< Only used for a robot that stays level.
+    PinholeCamera camera = DepthSensorModel().camera;  ///< Not used for a robot that turns freely.
     double view_range = MapModel{}.max_range;          ///< [m] along the ray.
   };
   /// The camera of a robot that starts there, if it stays level; empty: it may look up and down freely.

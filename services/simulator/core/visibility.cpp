@@ -82,14 +82,14 @@ LevelCamera LevelCameraOf(const RobotModel& robot, const PinholeCamera& camera,
                           const Eigen::Vector3d& start_W) {
   const double pitch = std::asin(std::clamp(robot.T_BC.linear()(2, 2), -1.0, 1.0));
   // The middle column of the image reaches highest and lowest, and the robot can turn it to any side.
-  const auto rise = [&](double v) {
-    const double elevation = pitch - std::atan((v - camera.cy) / camera.fy);
+  const auto rise = [&](double v, double gimbal) {
+    const double elevation = gimbal + pitch - std::atan((v - camera.cy) / camera.fy);
     return std::tan(std::clamp(elevation, -kStraightUp, kStraightUp));
   };
   return {.above_body = robot.T_BC.translation().z(),
           .plane_W = robot.drives ? std::optional(start_W.z()) : std::nullopt,
-          .least_rise = rise(camera.height_px - 0.5),
-          .greatest_rise = rise(-0.5)};
+          .least_rise = rise(camera.height_px - 0.5, robot.PitchWithin(-kStraightUp)),
+          .greatest_rise = rise(-0.5, robot.PitchWithin(kStraightUp))};
 }
 
 Visibility::Visibility(const World& world, const DenseGrid<std::uint8_t>& reachable, double voxel_size,

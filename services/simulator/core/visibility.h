@@ -11,7 +11,7 @@
 
 namespace thalweg::simulator {
 
-/// A camera on a body that stays level and may turn to any heading.
+/// A camera on a body that stays level and may turn to any heading, perhaps on a gimbal that pitches.
 struct LevelCamera {
   double above_body = 0.0;        ///< [m] Height above the body's center.
   std::optional<double> plane_W;  ///< [m] z of the body's center, if it drives.

@@ -389,6 +389,32 @@ TEST_F(LoadScenarioTest, ARobotThatDrivesHasAHeight) {
   EXPECT_EQ(ErrorOf("robot { height_m: 0.4 }"), "") << "one that flies may be a cylinder, too";
 }
 
+TEST_F(LoadScenarioTest, AGimbalHasLimitsInOrderAndCarriesTheBodysFrame) {
+  EXPECT_EQ(ErrorOf("robot { attitude: GIMBAL gimbal_min_pitch_deg: -60 gimbal_max_pitch_deg: 20 }"), "");
+  EXPECT_EQ(ErrorOf("robot { attitude: GIMBAL\n gimbal_min_pitch_deg: 40 }"),
+            At(2, 2) + "robot.gimbal_min_pitch_deg: is 40, must be at most robot.gimbal_max_pitch_deg, 30");
+  EXPECT_EQ(ErrorOf("robot { attitude: GIMBAL\n camera_position_m { x: 0.1 } }"),
+            At(2, 2) +
+                "robot.camera_position_m: must be 0 for a robot whose robot.attitude is GIMBAL: base_link is "
+                "at the gimbal's axis");
+  EXPECT_EQ(ErrorOf("robot { gimbal_min_pitch_deg: 40 camera_position_m { x: 0.1 } }"), "") << "it has none";
+}
+
+TEST_F(LoadScenarioTest, LimitedJerkKeepsTheRobotOnItsPath) {
+  // a^3 / (3 j^2) <= 1 cm
+  EXPECT_EQ(ErrorOf("robot { max_acceleration_mps2: 3 max_jerk_mps3: 30 }"), "");
+  EXPECT_EQ(ErrorOf("robot { max_acceleration_mps2: 3 max_jerk_mps3: 0 }"), "");
+  EXPECT_EQ(ErrorOf("robot {\n  max_acceleration_mps2: 3\n  max_jerk_mps3: 29.9\n}"),
+            At(3, 3) +
+                "robot.max_jerk_mps3: is 29.9, must be 0 or at least 30 for robot.max_acceleration_mps2, "
+                "3: else curves are cut by more than 1 cm");
+  EXPECT_EQ(ErrorOf("robot { max_jerk_mps3: 6 }"), "");
+  EXPECT_THAT(ErrorOf("robot { max_jerk_mps3: 5 }"), HasSubstr("must be 0 or at least 5.8 for"));
+  EXPECT_THAT(
+      ErrorOf("robot { drives: true height_m: 0.4 drive: DIFFERENTIAL max_jerk_mps3: 50 }"),
+      HasSubstr("robot.max_jerk_mps3: is 50, must be 0 for a robot whose robot.drive is DIFFERENTIAL"));
+}
+
 TEST_F(LoadScenarioTest, AFieldMayContradictADefaultThatTheCallerKnows) {
   const auto with_range = [](const Scenario& given) {
     Scenario scenario = given;

@@ -1,6 +1,9 @@
 #include "services/explorer/core/path/motion_times.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "common/geometry/attitude.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -21,6 +24,15 @@ double TravelTime(double length, const RobotModel& robot) {
 
 double TurnTime(double angle, const RobotModel& robot) {
   return Trapezoid(angle, robot.max_turn_rate, robot.max_turn_acceleration);
+}
+
+double TurnTime(const Eigen::Matrix3d& R_WB_from, const Eigen::Matrix3d& R_WB_to, const RobotModel& robot) {
+  if (!robot.gimballed()) return TurnTime(AngleBetween(R_WB_from, R_WB_to), robot);
+  const YawPitch from = YawPitchOf(R_WB_from);
+  const YawPitch to = YawPitchOf(R_WB_to);
+  return std::max(
+      TurnTime(std::abs(WrappedAngle(to.yaw - from.yaw)), robot),
+      Trapezoid(std::abs(to.pitch - from.pitch), robot.max_gimbal_rate, robot.max_turn_acceleration));
 }
 
 double UsualPath(double time, const RobotModel& robot) {

@@ -10,6 +10,8 @@ namespace thalweg::explorer {
 double TravelTime(double length, const RobotModel& robot);
 /// [s] For a turn [rad] from rest to rest; the rate rises and falls at its greatest acceleration.
 double TurnTime(double angle, const RobotModel& robot);
+/// [s] For a turn between two orientations that it can have, from rest to rest.
+double TurnTime(const Eigen::Matrix3d& R_WB_from, const Eigen::Matrix3d& R_WB_to, const RobotModel& robot);
 /// [m] The path that a robot travels in a time [s] at its usual speed, half of its greatest.
 double UsualPath(double time, const RobotModel& robot);
 

@@ -53,15 +53,16 @@ std::vector<Eigen::Vector3d> GazesOf(const std::vector<Sample>& samples) {
   return gazes;
 }
 
-/// Orientation toward `direction` without roll, and without pitch if the body is level; where `direction` is
-/// vertical, the heading of `R_WB` is kept.
-Eigen::Matrix3d Facing(const Eigen::Vector3d& direction, const Eigen::Matrix3d& R_WB, bool level) {
+/// Orientation toward `direction` without roll, and with a pitch that the robot can have; where `direction`
+/// is vertical, the heading of `R_WB` is kept.
+Eigen::Matrix3d Facing(const Eigen::Vector3d& direction, const Eigen::Matrix3d& R_WB,
+                       const RobotModel& robot) {
   const double flat = std::hypot(direction.x(), direction.y());
   const double length = direction.norm();
   if (length < 1e-6) return R_WB;
   const bool upright = flat < 0.05 * length;
   const double yaw = upright ? YawOf(R_WB) : std::atan2(direction.y(), direction.x());
-  return RotationFromYawPitch(yaw, level ? 0.0 : std::atan2(direction.z(), flat));
+  return RotationFromYawPitch(yaw, robot.PitchWithin(std::atan2(direction.z(), flat)));
 }
 
 }  // namespace
@@ -101,7 +102,7 @@ FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Ve
     }
     if (!std::isfinite(next_narrow[n])) continue;
     const Eigen::Matrix3d& before = n > 0 ? R_WBs[n - 1] : T_WB.linear();
-    const Eigen::Matrix3d facing = Facing(gazes[n] - samples[n].p_W, before, robot.level());
+    const Eigen::Matrix3d facing = Facing(gazes[n] - samples[n].p_W, before, robot);
     const double reach = std::max(kBefore, kTurned + AngleBetween(turned.linear(), facing) * travel_per_turn);
     if (faces_until != next_narrow[n] && next_narrow[n] - samples[n].arc > reach) continue;
     faces_until = next_narrow[n];

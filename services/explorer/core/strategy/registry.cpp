@@ -135,6 +135,7 @@ std::optional<RobotMisfit> MisfitOf(const RobotModel& robot, std::string_view na
       constexpr auto kLooks = "a robot that flies and can look in any direction";
       if (robot.drives) return RobotMisfit{kLooks, "drives", "true"};
       if (robot.level()) return RobotMisfit{kLooks, "attitude", "LEVEL"};
+      if (robot.gimballed()) return RobotMisfit{kLooks, "attitude", "GIMBAL"};
       break;
     }
     case ForRobots::kAll:

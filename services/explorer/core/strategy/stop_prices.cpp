@@ -57,7 +57,7 @@ double StopPrices::Time(const Pose& from, const Pose& to, double travel, bool fa
   Eigen::Vector3d way_W = to.p_W - from.p_W;
   if (robot.level()) way_W.z() = 0.0;
   if (!faced || way_W.norm() < situation_.map.voxel_size())
-    return std::max(travel, TurnTime(AngleBetween(from.R_WB, to.R_WB), robot));
+    return std::max(travel, TurnTime(from.R_WB, to.R_WB, robot));
   way_W.normalize();
   const double turns = TurnTime(AngleOf(way_W.dot(from.R_WB.col(0))), robot) +
                        TurnTime(AngleOf(way_W.dot(to.R_WB.col(0))), robot);

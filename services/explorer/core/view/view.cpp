@@ -16,6 +16,23 @@ namespace {
 constexpr std::size_t kHeadings = 16;
 constexpr double kHeadingStep = 2.0 * std::numbers::pi / kHeadings;  // [rad]
 
+constexpr double kElevationStep = 25.0 * kDegree;
+
+/// [rad] From the lowest to the highest.
+std::vector<double> ElevationsOf(const RobotModel& robot) {
+  if (robot.level()) return {0.0};
+  std::vector<double> elevations;
+  if (robot.turns_freely()) {
+    for (int n = -3; n <= 3; ++n) elevations.push_back(n * kElevationStep);
+    return elevations;
+  }
+  const double range = robot.gimbal_highest - robot.gimbal_lowest;
+  const int steps = static_cast<int>(std::ceil(range / kElevationStep - 1e-9));
+  for (int n = 0; n <= steps; ++n)
+    elevations.push_back(robot.gimbal_lowest + (steps > 0 ? range * n / steps : 0.0));
+  return elevations;
+}
+
 double LeastCosine(const PinholeCamera& camera) {
   constexpr double kRounding = 1e-9;
   double least = 1.0;
@@ -54,23 +71,23 @@ std::vector<std::vector<RayStep>> SpreadRays(std::size_t count, double range, do
   return rays;
 }
 
-ViewPlanner::ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC, bool level)
-    : camera_(camera), R_BC_(R_BC), level_(level), least_cosine_(LeastCosine(camera)) {
-  constexpr double kElevationStep = 25.0 * kDegree;
-  const int highest = level ? 0 : 3;
+ViewPlanner::ViewPlanner(const PinholeCamera& camera, const RobotModel& robot)
+    : camera_(camera), robot_(robot), R_BC_(robot.T_BC.linear()), least_cosine_(LeastCosine(camera)) {
   // An image that is pitched up by 25 deg is narrower at the horizon.
   const bool is_wide =
       0.5 * camera.width_px / camera.fx >= std::tan(kHeadingStep) / std::cos(kElevationStep) &&
       0.5 * camera.height_px / camera.fy >= std::tan(kElevationStep);
-  for (int elevation = -highest; elevation <= highest; ++elevation) {
+  std::size_t row = 0;
+  for (const double elevation : ElevationsOf(robot)) {
     for (std::size_t heading = 0; heading < kHeadings; ++heading) {
-      candidates_.push_back(RotationFromYawPitch(
-          static_cast<double>(heading) * 2.0 * std::numbers::pi / kHeadings, elevation * kElevationStep));
-      cameras_.push_back(candidates_.back() * R_BC);
-      if (!level && is_wide && (heading % 2 != 0 || elevation % 2 == 0)) continue;
+      candidates_.push_back(
+          RotationFromYawPitch(static_cast<double>(heading) * 2.0 * std::numbers::pi / kHeadings, elevation));
+      cameras_.push_back(candidates_.back() * R_BC_);
+      if (robot.turns_freely() && is_wide && (heading % 2 != 0 || row % 2 != 0)) continue;
       sparse_.push_back(candidates_.back());
       sparse_cameras_.push_back(cameras_.back());
     }
+    ++row;
   }
 }
 
@@ -86,13 +103,15 @@ BitTable ViewPlanner::ShownBySparse(const std::vector<Eigen::Vector3d>& offsets_
 }
 
 bool ViewPlanner::CanShow(const Eigen::Vector3d& offset_W) const {
-  if (!level_) return true;  // the elevations reach all around
+  if (robot_.turns_freely()) return true;  // the elevations reach all around
   // The heading that most likely shows it is tried first.
   const double length = offset_W.norm();
   const double heading = std::atan2(offset_W.y(), offset_W.x()) / kHeadingStep;
   const auto first = static_cast<std::size_t>(std::lround(heading) + std::ptrdiff_t{kHeadings});
   for (std::size_t n = 0; n < kHeadings; ++n) {
-    if (InImage(cameras_[(first + n) % kHeadings], offset_W, length)) return true;
+    for (std::size_t row = 0; row < cameras_.size(); row += kHeadings) {
+      if (InImage(cameras_[row + (first + n) % kHeadings], offset_W, length)) return true;
+    }
   }
   return false;
 }

@@ -34,15 +34,15 @@ struct View {
   std::size_t required = 0;  ///< Number of required ones among them.
 };
 
-/// Chooses the view that shows most among 16 headings and 7 elevations, 25 deg apart; a level robot has the
-/// headings only.
+/// Chooses the view that shows most among 16 headings and 7 elevations, 25 deg apart. A level robot has the
+/// headings only, one with a gimbal elevations from its lowest to its highest, at most as far apart.
 class ViewPlanner {
  public:
-  ViewPlanner(const PinholeCamera& camera, const Eigen::Matrix3d& R_BC, bool level = false);
+  ViewPlanner(const PinholeCamera& camera, const RobotModel& robot);
 
-  bool level() const { return level_; }
+  const RobotModel& robot() const { return robot_; }
   const std::vector<Eigen::Matrix3d>& candidates() const { return candidates_; }  ///< R_WB
-  /// R_WB of the candidates, or of fewer that leave out no direction: for a robot that is not level, with a
+  /// R_WB of the candidates, or of fewer that leave out no direction: for a robot that turns freely, with a
   /// camera that is wide enough, every other heading and elevation.
   const std::vector<Eigen::Matrix3d>& sparse() const { return sparse_; }
   /// A row for each of sparse(): which of the offsets [m] from the sensor it shows.
@@ -95,9 +95,9 @@ class ViewPlanner {
   }
 
   PinholeCamera camera_;
+  RobotModel robot_;
   Eigen::Matrix3d R_BC_;
-  bool level_;
-  std::vector<Eigen::Matrix3d> candidates_;  ///< R_WB
+  std::vector<Eigen::Matrix3d> candidates_;  ///< R_WB; the headings of the lowest elevation, of the next, ...
   std::vector<Eigen::Matrix3d> sparse_;
   std::vector<Eigen::Matrix3d> cameras_;         ///< R_WC of each candidate,
   std::vector<Eigen::Matrix3d> sparse_cameras_;  ///< and of each of sparse_.

@@ -133,6 +133,31 @@ TEST_F(ControllerServiceTest, CommandsTheSameVelocitiesWithAndWithoutAStamp) {
   EXPECT_GT(both, std::ssize(plain) / 2);
 }
 
+TEST_F(ControllerServiceTest, SaysTheMotionToComeWhileSomebodyListens) {
+  RunningController controller;
+  ASSERT_TRUE(Until([&] { return Matched(); }));
+  std::vector<trajectory_msgs::msg::MultiDOFJointTrajectory> heard;
+  bus_.Subscribe<topics::Trajectory>([&](const auto& message) { heard.push_back(message); });
+  ASSERT_TRUE(Until([&] { return bus_.Writers<topics::Trajectory>() == 1; }));
+  Follow({At(0.0), At(2.0)});
+  ASSERT_TRUE(Until([&] { return robot_.translation().x() > 0.5 && heard.size() > 3; }));
+  const trajectory_msgs::msg::MultiDOFJointTrajectory message = heard.back();
+  const Time begin = *dds::FromIdl(message.header().stamp());
+  ASSERT_GT(message.points().size(), 10U);
+  EXPECT_NEAR(message.points().back().transforms()[0].translation().x(), 2.0, 1e-6) << "ends with the path";
+  EXPECT_EQ(message.points().back().velocities()[0].linear().x(), 0.0);
+  // The robot then does as it was said.
+  const std::size_t n = 10;
+  const Time then = begin + std::chrono::milliseconds(1000);
+  EXPECT_EQ(message.points()[n].time_from_start().sec(), 1);
+  ASSERT_TRUE(Until([&] { return bus_.Now() >= then; }));
+  EXPECT_NEAR(robot_.translation().x(), message.points()[n].transforms()[0].translation().x(), 0.1);
+  ASSERT_TRUE(Until([&] { return Is(thalweg_msgs::msg::MOTION_DONE); }));
+  heard.clear();
+  ASSERT_TRUE(Until([&] { return heard.size() > 1; }));
+  EXPECT_EQ(heard.back().points().size(), 1U) << "it stands";
+}
+
 TEST_F(ControllerServiceTest, StandsWithinHalfASecondWhenThePathFallsSilent) {
   RunningController controller;
   ASSERT_TRUE(Until([&] { return Matched(); }));

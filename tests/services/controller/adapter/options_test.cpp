@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 namespace thalweg::controller {
@@ -43,6 +44,24 @@ TEST(ControllerOptions, TheScenarioSaysWhatTheRobotDoesWhenItIsCutOffAndWhetherP
   EXPECT_DOUBLE_EQ(options.follower.checked_body->radius, 0.3);
   EXPECT_FALSE(OptionsFrom(Scenario{}).follower.checked_body)
       << "where the mapper is far away, a map costs a link";
+}
+
+TEST(ControllerMistakes, ARobotWithLimitedJerkThatCannotStopInTimeIsOne) {
+  Scenario scenario;
+  scenario.mutable_robot()->set_max_speed_mps(2.0);
+  scenario.mutable_robot()->set_max_acceleration_mps2(3.0);
+  EXPECT_TRUE(controller::MistakesIn(scenario).empty());
+  scenario.mutable_robot()->set_max_jerk_mps3(30.0);
+  EXPECT_NEAR(OptionsFrom(scenario).follower.smoothing, std::sqrt(8.0) * 3.0 / 30.0, 1e-12);
+  const std::vector<Mistake> mistakes = controller::MistakesIn(scenario);
+  ASSERT_EQ(mistakes.size(), 1U);
+  EXPECT_EQ(ToString(mistakes[0].field), "controller.silence_s");
+  EXPECT_EQ(
+      mistakes[0].text,
+      "is 0.5, must be at least 0.7 s with this robot.max_jerk_mps3: a robot at its greatest speed takes "
+      "that long to stop");
+  scenario.mutable_controller()->set_silence_s(0.7);
+  EXPECT_TRUE(controller::MistakesIn(scenario).empty());
 }
 
 TEST(ControllerMistakes, ARobotThatIsCutOffBeforeItsPathIsSilentIsOneEvenAgainstADefault) {

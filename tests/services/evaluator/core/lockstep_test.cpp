@@ -233,10 +233,11 @@ TEST_P(TinyRoom, TheSameRunTwiceIsTheSame) {
 /// The tiny room, flown level within the accelerations.
 class DynamicMotion : public testing::TestWithParam<std::tuple<const char*, const char*>> {
  protected:
-  static LockstepResult Fly(const char* minimize, const char* strategy, int seed) {
+  static LockstepResult Fly(const char* minimize, const char* strategy, int seed, const char* jerk = "0") {
     const Scene scene("tiny", {"robot.attitude=LEVEL", "robot.max_speed_mps=2",
                                "robot.max_acceleration_mps2=3", "robot.max_turn_rate_dps=90",
-                               "depth_sensor.rate_hz=10", std::string("explorer.minimize=") + minimize});
+                               "depth_sensor.rate_hz=10", std::string("explorer.minimize=") + minimize,
+                               std::string("robot.max_jerk_mps3=") + jerk, "controller.silence_s=1"});
     const LockstepOptions options = scene.Options(strategy, seed, PoseSource::kTruth, MotionModel::kDynamic);
     mapper::OccupancyMap map(options.mapper);
     return RunLockstep(scene.world(), scene.Start(seed), options, map);
@@ -258,6 +259,42 @@ TEST_P(DynamicMotion, StaysWithinTheLimitsAndExploresAllWithoutACollision) {
     EXPECT_LE(result.motion.most_turn_acceleration, RobotModel{}.max_turn_acceleration + 0.05);
     const MotionFigures& motion = result.motion;
     EXPECT_NEAR(motion.moving + motion.turning + motion.standing, result.duration, 1e-6);
+  }
+}
+
+TEST_P(DynamicMotion, KeepsTheJerkIfItIsLimited) {
+  for (int seed = 1; seed <= 2; ++seed) {
+    const LockstepResult result = Fly(std::get<0>(GetParam()), std::get<1>(GetParam()), seed, "30");
+    EXPECT_EQ(ToText(result.end), "complete") << seed;
+    EXPECT_EQ(result.collisions, 0);
+    EXPECT_LE(result.motion.most_speed, 2.0 + 1e-6);
+    EXPECT_LE(result.motion.most_acceleration, std::hypot(3.0, 3.0) + 0.1);
+    EXPECT_LE(result.motion.most_jerk, 30.0);
+  }
+}
+
+TEST(GimballedRobot, ExploresAllWithoutRollAndWithinItsLimits) {
+  const Scene scene("tiny", {"robot.attitude=GIMBAL", "robot.gimbal_min_pitch_deg=-80",
+                             "robot.gimbal_max_pitch_deg=25", "robot.max_gimbal_rate_dps=45"});
+  for (const MotionModel motion : {MotionModel::kKinematic, MotionModel::kDynamic}) {
+    for (const char* strategy : {"closest", "cover"}) {
+      const LockstepOptions options = scene.Options(strategy, 1, PoseSource::kTruth, motion);
+      mapper::OccupancyMap map(options.mapper);
+      double lowest = 0.0;
+      const LockstepResult result =
+          RunLockstep(scene.world(), scene.Start(1), options, map, {}, nullptr, {},
+                      [&](const auto&, const RigidTransform& T_WC, const auto&) {
+                        const Eigen::Matrix3d R_WB = T_WC.linear() * options.robot.T_BC.linear().transpose();
+                        EXPECT_NEAR(R_WB(2, 1), 0.0, 1e-6) << "no roll";
+                        const double pitch = std::asin(std::clamp(R_WB(2, 0), -1.0, 1.0));
+                        EXPECT_GE(pitch, -80.0 * kDegree - 1e-6);
+                        EXPECT_LE(pitch, 25.0 * kDegree + 1e-6);
+                        lowest = std::min(lowest, pitch);
+                      });
+      EXPECT_EQ(ToText(result.end), "complete") << strategy;
+      EXPECT_EQ(result.collisions, 0);
+      EXPECT_LT(lowest, -20.0 * kDegree) << "it makes use of the gimbal";
+    }
   }
 }
 

@@ -45,6 +45,11 @@ TEST(MotionMeter, FindsTheAccelerationsOfRamps) {
   EXPECT_NEAR(figures.most_turn_rate, 0.8, 0.02);
 }
 
+TEST(MotionMeter, FindsTheJerkOfARampOfTheAcceleration) {
+  const auto x = [](double t) { return 4.0 * t * t * t / 6.0; };
+  EXPECT_NEAR(FiguresOf(1.0, x, [](double) { return 0.0; }).most_jerk, 4.0, 1e-6);
+}
+
 TEST(MotionMeter, FindsTheSpeedAcrossWhereTheBodyFaces) {
   // Moves along x at 0.5 m/s, whatever it faces.
   const auto x = [](double t) { return 0.5 * t; };

@@ -59,7 +59,8 @@ TEST(Summarize, SplitsTheTimeOfRunsAndKeepsTheirGreatestRates) {
                         .standing = 10.0,
                         .stops = 4,
                         .most_speed = 1.0,
-                        .most_acceleration = 2.0};
+                        .most_acceleration = 2.0,
+                        .most_jerk = 7.0};
   outcomes[1].motion = {.moving = 40.0,
                         .turning = 50.0,
                         .standing = 10.0,
@@ -75,6 +76,7 @@ TEST(Summarize, SplitsTheTimeOfRunsAndKeepsTheirGreatestRates) {
   EXPECT_NEAR(summary.time_to.at(95).mean, 95.0, 0.15);
   EXPECT_EQ(summary.motion.most_speed, 1.5);
   EXPECT_EQ(summary.motion.most_acceleration, 2.0);
+  EXPECT_EQ(summary.motion.most_jerk, 7.0);
 }
 
 TEST(Outcome, AreaUnderCoverageOfAStraightRiseIsHalf) {

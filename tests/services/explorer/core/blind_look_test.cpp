@@ -10,10 +10,10 @@ namespace thalweg::explorer {
 namespace {
 
 /// All directions in which it looks, from the heading along x.
-std::vector<Eigen::Vector3d> Directions(BlindLook& look, bool level) {
+std::vector<Eigen::Vector3d> Directions(BlindLook& look, Attitude attitude) {
   std::vector<Eigen::Vector3d> directions;
   Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();
-  while (const std::optional<Eigen::Matrix3d> next = look.Next(R_WB, level)) {
+  while (const std::optional<Eigen::Matrix3d> next = look.Next(R_WB, {.attitude = attitude})) {
     R_WB = *next;
     directions.emplace_back(R_WB.col(0));
   }
@@ -22,7 +22,7 @@ std::vector<Eigen::Vector3d> Directions(BlindLook& look, bool level) {
 
 TEST(BlindLook, ALevelRobotTurnsOnceRound) {
   BlindLook look;
-  const std::vector<Eigen::Vector3d> directions = Directions(look, true);
+  const std::vector<Eigen::Vector3d> directions = Directions(look, Attitude::kLevel);
   ASSERT_EQ(directions.size(), 6U);
   for (std::size_t n = 0; n < directions.size(); ++n) {
     const double yaw = (static_cast<double>(n) + 1.0) * std::numbers::pi / 3.0;
@@ -32,7 +32,7 @@ TEST(BlindLook, ALevelRobotTurnsOnceRound) {
 
 TEST(BlindLook, OthersLookDownAndUpAsWell) {
   BlindLook look;
-  const std::vector<Eigen::Vector3d> directions = Directions(look, false);
+  const std::vector<Eigen::Vector3d> directions = Directions(look, Attitude::kFree);
   ASSERT_EQ(directions.size(), 18U);
   const double slope = std::sin(0.25 * std::numbers::pi);
   for (std::size_t n = 0; n < directions.size(); ++n) {
@@ -42,12 +42,20 @@ TEST(BlindLook, OthersLookDownAndUpAsWell) {
   EXPECT_NEAR(directions[6].z(), -directions[12].z(), 1e-9);
 }
 
+TEST(BlindLook, OneWithAGimbalLooksUpAsFarAsItGoes) {
+  BlindLook look;
+  const std::vector<Eigen::Vector3d> directions = Directions(look, Attitude::kGimbal);
+  ASSERT_EQ(directions.size(), 18U);
+  EXPECT_NEAR(directions[6].z(), std::sin(RobotModel{}.gimbal_highest), 1e-9);
+  EXPECT_NEAR(directions[12].z(), -std::sin(0.25 * std::numbers::pi), 1e-9);
+}
+
 TEST(BlindLook, BeginsAgainOnceFreeSpaceWasKnown) {
   BlindLook look;
-  EXPECT_EQ(Directions(look, true).size(), 6U);
-  EXPECT_FALSE(look.Next(Eigen::Matrix3d::Identity(), true));
+  EXPECT_EQ(Directions(look, Attitude::kLevel).size(), 6U);
+  EXPECT_FALSE(look.Next(Eigen::Matrix3d::Identity(), {.attitude = Attitude::kLevel}));
   look.Reset();
-  EXPECT_EQ(Directions(look, true).size(), 6U);
+  EXPECT_EQ(Directions(look, Attitude::kLevel).size(), 6U);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ struct InspectedScene {
   InspectionCriterion criterion{.distance = 1.2};
   PlanningMap map{{.voxel_size = kSize, .clearance = kClearance, .bounds = {}}};
   PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 100, 87 * kDegree);
-  ViewPlanner views{camera, BodyFromOptical()};
+  ViewPlanner views{camera, RobotModel{}};
   InspectedSurface surface{criterion, camera, 0.0};
   PathSearch search;
   RigidTransform T_WB = RigidTransform::Identity();

@@ -20,7 +20,7 @@ namespace thalweg::explorer::test {
 using Obstacles = PlanningMap::Obstacles;
 
 inline constexpr double kSensorRange = 3.0;
-inline const ViewPlanner kViews(DepthSensorModel{}.camera, RobotModel{}.T_BC.linear());
+inline const ViewPlanner kViews(DepthSensorModel{}.camera, RobotModel{});
 
 inline Candidate CandidateAt(std::vector<VoxelIndex> goals, const PathSearch& search) {
   Candidate candidate;

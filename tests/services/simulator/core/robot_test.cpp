@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "common/geometry/attitude.h"
 #include "tests/support/meshes.h"
 
 namespace thalweg::simulator {
@@ -126,6 +127,27 @@ TEST(SimulatedRobot, ALevelOneThatFliesRisesAndTurnsToTheHeadingOfTheCommand) {
   }
   EXPECT_TRUE(robot.T_WB().translation().isApprox(Eigen::Vector3d(-4.0, 1.0, 1.9), 1e-9));
   EXPECT_TRUE(robot.T_WB().linear().isApprox(RotationFromYawPitch(2.0, 0.0), 1e-9));
+}
+
+TEST(SimulatedRobot, OneWithAGimbalTurnsByHeadingAndPitchAndStaysWithinItsLimits) {
+  const World world = Sheet();
+  const RobotModel model{.attitude = Attitude::kGimbal};
+  SimulatedRobot robot(world, model, MakeTransform(RotationFromYawPitch(0.3, 0.8), {-5.0, 0.0, 0.35}));
+  EXPECT_TRUE(robot.T_WB().linear().isApprox(RotationFromYawPitch(0.3, model.gimbal_highest), 1e-9));
+  double yaw = 0.3;
+  double pitch = model.gimbal_highest;
+  for (int i = 0; i < 400; ++i) {
+    robot.Command(MakeTransform(RotationFromYawPitch(2.9, -1.2), {-5.0, 0.0, 0.35}));
+    robot.Step(kTick);
+    const YawPitch now = YawPitchOf(robot.T_WB().linear());
+    EXPECT_NEAR(robot.T_WB().linear()(2, 1), 0.0, 1e-9) << "no roll";
+    EXPECT_LE(std::abs(now.yaw - yaw), model.max_turn_rate * kTick + 1e-9);
+    EXPECT_LE(std::abs(now.pitch - pitch), model.max_gimbal_rate * kTick + 1e-9);
+    yaw = now.yaw;
+    pitch = now.pitch;
+  }
+  EXPECT_NEAR(yaw, 2.9, 1e-9);
+  EXPECT_NEAR(pitch, -1.2, 1e-9);
 }
 
 TEST(SimulatedRobot, ACylinderPassesUnderATableThatAHigherOneMeets) {

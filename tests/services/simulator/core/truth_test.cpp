@@ -146,11 +146,19 @@ TEST_P(LevelTruth, SeesTheFreeVoxelsThatALevelCameraSeesByBruteForce) {
   const World world(mesh, room);
   const Point start(0.4, 0.4, 0.62);
   PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 50, 1.2);
-  for (const double pitch : {-0.3, 0.0, 0.2}) {
-    RobotModel robot{
-        .radius = 0.12, .height = drives ? 1.1 : 0.3, .attitude = Attitude::kLevel, .drives = drives};
-    robot.T_BC = MakeTransform(RotationFromYawPitch(0.0, pitch) * BodyFromOptical(), Point(0, 0, 0.2));
-    if (pitch > 0.0) camera.cy -= 10.0;
+  constexpr double kGimballed = 9.0;  // instead of a pitch
+  for (const double pitch : {-0.3, 0.0, 0.2, kGimballed}) {
+    const bool gimballed = pitch == kGimballed;
+    if (gimballed && drives) continue;
+    RobotModel robot{.radius = 0.12,
+                     .height = drives ? 1.1 : 0.3,
+                     .attitude = gimballed ? Attitude::kGimbal : Attitude::kLevel,
+                     .drives = drives,
+                     .gimbal_lowest = -0.7,
+                     .gimbal_highest = -0.1};
+    if (!gimballed)
+      robot.T_BC = MakeTransform(RotationFromYawPitch(0.0, pitch) * BodyFromOptical(), Point(0, 0, 0.2));
+    if (pitch == 0.2) camera.cy -= 10.0;
     const TrueMap truth(world, start,
                         {.voxel_size = 0.1, .robot = robot, .camera = camera, .view_range = 2.0});
     const SurfaceVoxels surfaces(mesh, truth.voxels().box(), 0.1, 1e-4);
@@ -173,11 +181,15 @@ TEST_P(LevelTruth, SeesTheFreeVoxelsThatALevelCameraSeesByBruteForce) {
       bool in_sight = false;
       for (const Point& p : positions) {
         const double yaw = std::atan2(center.y() - p.y(), center.x() - p.x());
-        const RigidTransform T_WC = MakeTransform(RotationFromYawPitch(yaw, 0.0), p) * robot.T_BC;
-        if ((T_WC.translation() - center).norm() > 2.0 || !world.InSight(T_WC.translation(), center))
-          continue;
+        const Point eye = MakeTransform(RotationFromYawPitch(yaw, 0.0), p) * robot.T_BC.translation();
+        if ((eye - center).norm() > 2.0 || !world.InSight(eye, center)) continue;
         in_sight = true;
-        seen = seen || camera.Sees(T_WC.inverse() * center);
+        constexpr int kPitches = 40;
+        for (int n = 0; n <= (gimballed ? kPitches : 0) && !seen; ++n) {
+          const double up = gimballed ? -0.7 + 0.6 * n / kPitches : 0.0;
+          seen =
+              camera.Sees((MakeTransform(RotationFromYawPitch(yaw, up), p) * robot.T_BC).inverse() * center);
+        }
       }
       const bool found = truth.voxels()[i] == TrueVoxel::kFree;
       ASSERT_LE(found, seen) << pitch << ": " << center.transpose();

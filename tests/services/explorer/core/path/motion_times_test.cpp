@@ -29,6 +29,18 @@ TEST(TurnTime, IsThatOfATurnFromRestToRest) {
   EXPECT_NEAR(TurnTime(180.0 * kDegree, Robot()), 2.5, 1e-12) << "135 degrees more at the full rate";
 }
 
+TEST(TurnTime, OfAGimbalIsThatOfTheSlowerAxis) {
+  RobotModel robot = Robot();
+  const Eigen::Matrix3d ahead = RotationFromYawPitch(0.0, 0.0);
+  const Eigen::Matrix3d aside = RotationFromYawPitch(90.0 * kDegree, -45.0 * kDegree);
+  EXPECT_NEAR(TurnTime(ahead, aside, robot), TurnTime(AngleBetween(ahead, aside), robot), 1e-12);
+  robot.attitude = Attitude::kGimbal;
+  robot.max_gimbal_rate = 180.0 * kDegree;
+  EXPECT_NEAR(TurnTime(ahead, aside, robot), TurnTime(90.0 * kDegree, robot), 1e-9);
+  robot.max_gimbal_rate = 15.0 * kDegree;
+  EXPECT_NEAR(TurnTime(ahead, aside, robot), 45.0 / 15.0 + 15.0 / 180.0, 1e-9);
+}
+
 TEST(UsualPath, IsTraveledAtHalfOfTheGreatestSpeed) {
   EXPECT_NEAR(UsualPath(3.0, Robot()), 3.0, 1e-12);
 }

@@ -62,7 +62,7 @@ TEST_F(CoverStops, ViewsShowAllThatAnyViewShowsAndNoneIsIdle) {
   for (const bool level : {false, true}) {
     RobotModel robot;
     robot.attitude = level ? Attitude::kLevel : Attitude::kFree;
-    const ViewPlanner planner(DepthSensorModel{}.camera, robot.T_BC.linear(), level);
+    const ViewPlanner planner(DepthSensorModel{}.camera, robot);
     const Situation whole = situation();
     const Situation its{map_,        search_, whole.robot_W,      whole.clearance,
                         candidates_, planner, whole.sensor_range, whole.look_range};

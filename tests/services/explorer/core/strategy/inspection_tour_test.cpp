@@ -138,7 +138,7 @@ class CorridorTourTest : public testing::Test {
   InspectionOptions options_{.criterion = {.distance = 1.2}};
   PlanningMap map_{{.voxel_size = 0.1, .clearance = 0.15, .bounds = {}}};
   PinholeCamera camera_ = PinholeCamera::FromFieldOfView(100, 100, 90 * kDegree);
-  ViewPlanner views_{camera_, BodyFromOptical()};
+  ViewPlanner views_{camera_, RobotModel{}};
   InspectedSurface surface_{options_.criterion, camera_, 0.0};
   PathSearch search_;
 };

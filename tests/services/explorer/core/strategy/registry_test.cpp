@@ -68,6 +68,9 @@ TEST(MisfitOf, RefusesRobotsThatCannotLookUpAndDownWhereOneMust) {
   ASSERT_TRUE(MisfitOf(robot, "rift"));
   EXPECT_STREQ(MisfitOf(robot, "rift")->field, "attitude");
   EXPECT_STREQ(MisfitOf(robot, "rift")->value, "LEVEL");
+  robot.attitude = Attitude::kGimbal;
+  ASSERT_TRUE(MisfitOf(robot, "rift"));
+  EXPECT_STREQ(MisfitOf(robot, "rift")->value, "GIMBAL");
   robot.drives = true;
   ASSERT_TRUE(MisfitOf(robot, "rift"));
   EXPECT_STREQ(MisfitOf(robot, "rift")->field, "drives");

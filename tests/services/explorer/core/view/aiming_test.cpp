@@ -32,7 +32,7 @@ class AimingTest : public testing::TestWithParam<unsigned> {
   }
 
   PlanningMap map_{{.voxel_size = 0.1, .clearance = 0.15, .bounds = {}}};
-  ViewPlanner views_{DepthSensorModel{}.camera, RobotModel{}.T_BC.linear()};
+  ViewPlanner views_{DepthSensorModel{}.camera, RobotModel{}};
   std::vector<Eigen::Vector3d> path_W_;
   std::vector<VoxelIndex> target_;
 };

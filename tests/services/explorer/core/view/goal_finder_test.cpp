@@ -35,7 +35,7 @@ class GoalFinderTest : public testing::TestWithParam<int> {
 
   PlanningMap map_{{.voxel_size = 0.1, .clearance = 0.15, .bounds = {}}};
   PathSearch search_;
-  ViewPlanner views_{DepthSensorModel{}.camera, RobotModel{}.T_BC.linear()};
+  ViewPlanner views_{DepthSensorModel{}.camera, RobotModel{}};
   GoalFinder finder_{kLookRange, 0.1};
   std::vector<Cluster> clusters_;
 };

@@ -56,7 +56,7 @@ TEST_P(SensorGains, EqualBruteForceAfterEveryChangeOfTheMap) {
   std::mt19937 random(GetParam());
   PlanningMap map({.voxel_size = kSize, .clearance = 0.1, .bounds = {}});
   map.Apply(test::RandomScene(random, {{0, 0, 0}, {50, 18, 12}}, 30, 7));
-  const ViewPlanner views(DepthSensorModel{}.camera, RobotModel{}.T_BC.linear());
+  const ViewPlanner views(DepthSensorModel{}.camera, RobotModel{});
   SensorGain gain(views, kSize, kRange);
   for (int round = 0; round < 8; ++round) {
     // Boxes become free, occupied or, as in a map that is rebuilt, unknown; one makes the map grow.
@@ -101,7 +101,7 @@ TEST_P(SensorGains, DoubtfulVoxelsCountByTheirWeightWhetherRaysPassThemOrNot) {
   PlanningMap map(
       {.voxel_size = kSize, .clearance = 0.1, .bounds = {}, .doubt = {.max_log_odds = 0.5, .weight = 0.3}});
   map.Apply(test::RandomScene(random, {{0, 0, 0}, {40, 16, 12}}, 24, 7));
-  const ViewPlanner views(DepthSensorModel{}.camera, RobotModel{}.T_BC.linear());
+  const ViewPlanner views(DepthSensorModel{}.camera, RobotModel{});
   SensorGain gain(views, kSize, kRange);
   int passed = 0;
   for (int round = 0; round < 4; ++round) {

@@ -23,6 +23,12 @@ class ViewTest : public testing::TestWithParam<unsigned> {
     }
   }
 
+  RobotModel Robot(Attitude attitude) const {
+    RobotModel robot{.attitude = attitude};
+    robot.T_BC.linear() = R_BC_;
+    return robot;
+  }
+
   std::mt19937 random_{GetParam()};
   PlanningMap map_{{.voxel_size = 0.1, .clearance = 0.15, .bounds = {}}};
   PinholeCamera camera_ = PinholeCamera::FromFieldOfView(100, 60, 75 * kDegree);
@@ -52,9 +58,9 @@ TEST_P(ViewTest, SightingsAreTheTargetsInRangeAndInPlainSight) {
 
 TEST_P(ViewTest, WhatTheSparseViewsShowIsWhatTheCameraSees) {
   for (const double fov : {30.0, 75.0, 120.0}) {
-    for (const bool level : {false, true}) {
+    for (const Attitude attitude : {Attitude::kFree, Attitude::kLevel, Attitude::kGimbal}) {
       const PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 60, fov * kDegree);
-      const ViewPlanner planner(camera, R_BC_, level);
+      const ViewPlanner planner(camera, Robot(attitude));
       std::vector<Eigen::Vector3d> offsets_W;
       for (int n = 0; n < 300; ++n)
         offsets_W.push_back(
@@ -82,7 +88,7 @@ TEST_P(ViewTest, WhatTheSparseViewsShowIsWhatTheCameraSees) {
 }
 
 TEST_P(ViewTest, TheBestViewShowsAsManyRequiredSightingsAsAnyAndOfThoseTheMost) {
-  const ViewPlanner planner(camera_, R_BC_);
+  const ViewPlanner planner(camera_, Robot(Attitude::kFree));
   for (int n = 0; n < 6; ++n) {
     const std::vector<Sighting> sightings = SightingsFrom(map_, FreePoint(), 2.0);
     std::vector<bool> counts;
@@ -120,7 +126,7 @@ TEST_P(ViewTest, TheBestViewShowsAsManyRequiredSightingsAsAnyAndOfThoseTheMost) 
 }
 
 TEST_P(ViewTest, WithNothingToSeeTheRobotHardlyTurns) {
-  const ViewPlanner planner(camera_, R_BC_);
+  const ViewPlanner planner(camera_, Robot(Attitude::kFree));
   const Eigen::Matrix3d R_WB = RotationFromYawPitch(test::RandomDouble(random_, -3, 3), 0.0);
   const View best = planner.Best({}, {}, {}, R_WB);
   EXPECT_EQ(best.count, 0U);
@@ -128,20 +134,47 @@ TEST_P(ViewTest, WithNothingToSeeTheRobotHardlyTurns) {
 }
 
 TEST(ViewPlanner, FewerViewsLeaveOutNoDirection) {
-  const Eigen::Matrix3d R_BC = RobotModel{}.T_BC.linear();
+  const RobotModel robot;
   const PinholeCamera wide = PinholeCamera::FromFieldOfView(100, 100, 75.0 * kDegree);
   const PinholeCamera least = PinholeCamera::FromFieldOfView(1000, 1020, 49.3 * kDegree);  // 50.2 deg high
   const PinholeCamera narrow = PinholeCamera::FromFieldOfView(100, 100, 40.0 * kDegree);
-  EXPECT_EQ(ViewPlanner(wide, R_BC).sparse().size(), 8U * 4U);
-  EXPECT_EQ(ViewPlanner(narrow, R_BC).sparse().size(), 16U * 7U);
-  EXPECT_EQ(ViewPlanner(wide, R_BC, /*level=*/true).sparse().size(), 16U);
-  EXPECT_EQ(ViewPlanner(least, R_BC).sparse().size(), 8U * 4U);
+  EXPECT_EQ(ViewPlanner(wide, robot).sparse().size(), 8U * 4U);
+  EXPECT_EQ(ViewPlanner(narrow, robot).sparse().size(), 16U * 7U);
+  EXPECT_EQ(ViewPlanner(wide, {.attitude = Attitude::kLevel}).sparse().size(), 16U);
+  EXPECT_EQ(ViewPlanner(least, robot).sparse().size(), 8U * 4U);
   for (const PinholeCamera& camera : {wide, least, narrow}) {
-    const ViewPlanner views(camera, R_BC);
+    const ViewPlanner views(camera, robot);
     for (const Eigen::Vector3d& direction : SpreadDirections(5000)) {
       EXPECT_TRUE(std::ranges::any_of(views.sparse(), [&](const Eigen::Matrix3d& R_WB) {
         return views.Shows(R_WB, {{0, 0, 0}, direction});
       })) << direction.transpose();
+    }
+  }
+}
+
+TEST(ViewPlanner, AGimbalShowsAllThatItsLimitsAllow) {
+  const PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 60, 75.0 * kDegree);
+  const double to_top = std::atan(0.5 * camera.height_px / camera.fy);
+  RobotModel robot{.attitude = Attitude::kGimbal};
+  for (const auto& [lowest, highest] : {std::pair(-90.0, 30.0), {-20.0, 20.0}, {15.0, 15.0}}) {
+    robot.gimbal_lowest = lowest * kDegree;
+    robot.gimbal_highest = highest * kDegree;
+    const ViewPlanner views(camera, robot);
+    for (const Eigen::Matrix3d& R_WB : views.candidates()) {
+      EXPECT_NEAR(R_WB(2, 1), 0.0, 1e-12) << "no roll";
+      const double pitch = std::asin(std::clamp(R_WB(2, 0), -1.0, 1.0));
+      EXPECT_GE(pitch, robot.gimbal_lowest - 1e-6);
+      EXPECT_LE(pitch, robot.gimbal_highest + 1e-6);
+    }
+    for (const Eigen::Vector3d& direction : SpreadDirections(5000)) {
+      const double elevation = std::asin(direction.z());
+      const bool inside =
+          elevation > robot.gimbal_lowest - 0.8 * to_top && elevation < robot.gimbal_highest + 0.8 * to_top;
+      const bool outside =
+          elevation < robot.gimbal_lowest - to_top - 0.01 || elevation > robot.gimbal_highest + to_top + 0.01;
+      if (inside || outside) {
+        EXPECT_EQ(views.CanShow(direction), inside) << direction.transpose();
+      }
     }
   }
 }
