@@ -16,7 +16,7 @@ struct YawPitch {
   double pitch = 0.0;
 };
 inline YawPitch YawPitchOf(const Eigen::Matrix3d& R_WB) {
-  return {std::atan2(-R_WB(0, 1), R_WB(1, 1)), std::asin(std::clamp(R_WB(2, 0), -1.0, 1.0))};
+  return {std::atan2(-R_WB(0, 1), R_WB(1, 1)), std::atan2(R_WB(2, 0), std::hypot(R_WB(0, 0), R_WB(1, 0)))};
 }
 
 /// [rad] The difference of two headings or of two angles alike, -pi to pi.

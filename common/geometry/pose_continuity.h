@@ -19,7 +19,7 @@ class PoseContinuity {
 
     /// Poses may be twice as fast as the robot is said to be.
     static Options For(const RobotModel& robot) {
-      return {.max_speed = 2.0 * robot.max_speed, .max_turn_rate = 2.0 * robot.max_turn_rate};
+      return {.max_speed = 2.0 * robot.max_speed, .max_turn_rate = 2.0 * robot.greatest_turn_rate()};
     }
   };
   enum class Verdict {

@@ -30,9 +30,11 @@ inline Eigen::Matrix3d RotationFromYawPitch(double yaw, double pitch) {
       .toRotationMatrix();
 }
 
-/// [rad] Heading of a body: the direction of its x axis, projected to the horizontal plane; arbitrary if that
-/// axis is vertical.
+/// [rad] Heading of a body: the direction of its x axis, projected to the horizontal plane; within 8 deg of
+/// the vertical that of its y axis, less a right angle.
 inline double YawOf(const Eigen::Matrix3d& R_WB) {
+  constexpr double kSteep = 0.99;
+  if (std::abs(R_WB(2, 0)) > kSteep) return std::atan2(-R_WB(0, 1), R_WB(1, 1));
   return std::atan2(R_WB(1, 0), R_WB(0, 0));
 }
 

@@ -53,6 +53,10 @@ struct RobotModel {
   double PitchWithin(double pitch) const {
     return level() ? 0.0 : gimballed() ? std::clamp(pitch, gimbal_lowest, gimbal_highest) : pitch;
   }
+  /// [rad/s] About all axes together.
+  double greatest_turn_rate() const {
+    return gimballed() ? std::hypot(max_turn_rate, max_gimbal_rate) : max_turn_rate;
+  }
   /// [s] Over which a motion within max_acceleration must be averaged to have no more than max_jerk: each of
   /// the accelerations along and across may change from one limit to the other at once.
   double smoothing() const { return max_jerk > 0.0 ? std::sqrt(8.0) * max_acceleration / max_jerk : 0.0; }

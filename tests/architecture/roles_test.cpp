@@ -87,7 +87,8 @@ TEST(Roles, MayDoWhatTheirServicesDoAndNothingElse) {
     EXPECT_EQ(rights.at(role).publishes, used.publishes) << role;
     EXPECT_EQ(rights.at(role).subscribes, used.subscribes) << role;
   }
-  // What every service does through its bus: health, its log, the second-copy check and the simulator's clock.
+  // What every service does through its bus: health, its log, the second-copy check and the simulator's
+  // clock.
   EXPECT_EQ(rights.at("*").publishes, (Topics{"health", "rosout"}));
   EXPECT_EQ(rights.at("*").subscribes, (Topics{"health", "clock"}));
 }
@@ -100,11 +101,12 @@ TEST(Roles, APersonMayWatchEverythingAndOnlyAnOperatorCommands) {
   }
   EXPECT_THAT(rights.at("operator").publishes, testing::IsSupersetOf(used.publishes));
   EXPECT_EQ(rights.at("listener").publishes, (Topics{"map/requests", "surface/requests"}));
-  const Topics commands = {"explorer/path", "command/pose", "command/velocity", "command/velocity_stamped",
-                           "operator/command"};
+  const Topics commands = {"explorer/path",      "command/pose",
+                           "command/velocity",   "command/velocity_stamped",
+                           "command/trajectory", "operator/command"};
   const std::map<std::string, Topics> commanders = {
       {"explorer", {"explorer/path"}},
-      {"controller", {"command/pose", "command/velocity", "command/velocity_stamped"}},
+      {"controller", {"command/pose", "command/velocity", "command/velocity_stamped", "command/trajectory"}},
       {"link-onboard", commands},
       {"link-offboard", commands},
       {"operator", commands}};

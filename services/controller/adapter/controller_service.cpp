@@ -148,7 +148,9 @@ void ControllerService::OnTick() {
   if (motion.command) {
     pose_out_.Write(dds::PoseStampedToIdl(now, motion.command->T_WB));
     const auto twist = dds::TwistToIdl(motion.command->v_WB_B, motion.command->w_WB_B);
-    velocity_out_.Write(twist);
+    const bool gimballed = follower_.options().gimballed.gimballed();
+    const MotionCommand level = motion.command->Leveled();
+    velocity_out_.Write(gimballed ? dds::TwistToIdl(level.v_WB_B, level.w_WB_B) : twist);
     stamped_velocity_out_.Write(dds::TwistStampedToIdl(now, twist));
   }
   LogStop(motion);
@@ -161,7 +163,10 @@ void ControllerService::OnTick() {
 void ControllerService::PublishTrajectory(Time now) {
   trajectory_sent_ = now;
   if (trajectory_out_.readers() == 0) return;
+  const auto start = std::chrono::steady_clock::now();
   const std::vector<TrajectoryPoint> points = follower_.Preview(kTrajectoryStep, kTrajectoryHorizon);
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+  bus_.health().Timed("trajectory", took.count());
   if (!points.empty()) trajectory_out_.Write(TrajectoryToIdl(now, points));
 }
 

@@ -1,5 +1,6 @@
 #include "services/controller/adapter/options.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/base/text.h"
@@ -28,7 +29,7 @@ ControllerOptions OptionsFrom(const Scenario& scenario) {
   const RobotModel robot = RobotFrom(scenario);
   options.follower = PathFollower::OptionsFor(robot);
   options.pose_gate.max_speed = robot.max_speed;
-  options.pose_gate.max_turn_rate = robot.max_turn_rate;
+  options.pose_gate.max_turn_rate = robot.greatest_turn_rate();
   ReadOptions(scenario.controller(), options);
   if (options.follower.cut_off.action == OnCutOff::kGoOn) options.check_paths = true;
   if (options.check_paths) {
@@ -40,7 +41,8 @@ ControllerOptions OptionsFrom(const Scenario& scenario) {
 
 std::vector<Mistake> MistakesIn(const Scenario& scenario) {
   std::vector<Mistake> mistakes;
-  const PathFollower::Options options = OptionsFrom(scenario).follower;
+  const ControllerOptions controller = OptionsFrom(scenario);
+  const PathFollower::Options& options = controller.follower;
   if (options.cut_off.after < options.silence) {
     const FieldPath silence = PathOf("controller", "silence_s");
     mistakes.push_back({.field = PathOf("controller", "cut_off_after_s"),
@@ -48,13 +50,15 @@ std::vector<Mistake> MistakesIn(const Scenario& scenario) {
                                 ToString(silence) + ", " + NumberText(options.silence) + " s",
                         .other = silence});
   }
-  // A robot with limited jerk takes longer to stop. Paths are repeated ten times a second.
-  const PathFollower::Options& o = options;
-  const double stop = o.max_speed / (o.max_acceleration * o.emergency_factor) + o.smoothing + 0.15;
-  if (o.smoothing > 0.0 && o.silence < stop) {
+  // A robot with limited jerk takes longer to stop. Paths are repeated ten times a second, and come late.
+  const double braking = std::max(options.max_speed / options.max_acceleration,
+                                  options.greatest_turn_rate() / options.max_turn_acceleration);
+  const double stop = braking / options.emergency_factor + options.smoothing + 2.0 / controller.rate +
+                      std::max(0.1, options.delay);
+  if (options.smoothing > 0.0 && options.silence < stop) {
     const FieldPath jerk = PathOf("robot", "max_jerk_mps3");
     mistakes.push_back({.field = PathOf("controller", "silence_s"),
-                        .text = "is " + NumberText(o.silence) + ", must be at least " +
+                        .text = "is " + NumberText(options.silence) + ", must be at least " +
                                 NumberText(std::ceil(stop * 100.0) / 100.0) + " s with this " +
                                 ToString(jerk) + ": a robot at its greatest speed takes that long to stop",
                         .other = jerk});

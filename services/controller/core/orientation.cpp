@@ -24,6 +24,7 @@ Eigen::Quaterniond RotationBy(const Eigen::Vector3d& rotation) {
 
 void Orientation::Place(const Eigen::Quaterniond& q_WB) {
   q_WB_ = q_WB;
+  at_ = YawPitchOf(q_WB.toRotationMatrix());
   Stop();
 }
 
@@ -46,9 +47,8 @@ void Orientation::TurnTo(const Eigen::Quaterniond& wanted, double most, double d
     Turn(rate_B_ + Clamped(Eigen::Vector3d(wanted_B - rate_B_), change), dt);
     return;
   }
-  const YawPitch from = YawPitchOf(q_WB_.toRotationMatrix());
   const YawPitch to = YawPitchOf(wanted.toRotationMatrix());
-  const Eigen::Array2d error(WrappedAngle(to.yaw - from.yaw), to.pitch - from.pitch);
+  const Eigen::Array2d error(WrappedAngle(to.yaw - at_.yaw), to.pitch - at_.pitch);
   const Eigen::Array2d greatest(std::min(most, limits_.rate), std::min(most, limits_.gimbal_rate));
   Eigen::Vector2d rates;
   for (int n = 0; n < 2; ++n) {
@@ -71,8 +71,8 @@ void Orientation::Turn(const Eigen::Vector3d& rate_B, double dt) {
 
 void Orientation::TurnGimbal(const Eigen::Vector2d& rates, double dt) {
   rates_ = rates;
-  const YawPitch at = YawPitchOf(q_WB_.toRotationMatrix());
-  const Eigen::Matrix3d R_WB = RotationFromYawPitch(at.yaw + rates[0] * dt, at.pitch + rates[1] * dt);
+  at_ = {WrappedAngle(at_.yaw + rates[0] * dt), at_.pitch + rates[1] * dt};
+  const Eigen::Matrix3d R_WB = RotationFromYawPitch(at_.yaw, at_.pitch);
   q_WB_ = Eigen::Quaterniond(R_WB);
   rate_B_ = R_WB.transpose() * Eigen::Vector3d(0.0, 0.0, rates[0]) - Eigen::Vector3d(0.0, rates[1], 0.0);
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 
+#include "common/geometry/attitude.h"
 #include "common/geometry/robot_model.h"
 
 namespace thalweg::controller {
@@ -38,6 +39,7 @@ class Orientation {
   Limits limits_;
   Eigen::Quaterniond q_WB_ = Eigen::Quaterniond::Identity();
   Eigen::Vector3d rate_B_ = Eigen::Vector3d::Zero();
+  YawPitch at_;                                      ///< The same as q_WB_, with a gimbal.
   Eigen::Vector2d rates_ = Eigen::Vector2d::Zero();  ///< [rad/s] Heading and pitch, with a gimbal.
 };
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/require.h"
+#include "common/geometry/attitude.h"
 #include "common/geometry/polyline.h"
 
 namespace thalweg::controller {
@@ -37,6 +38,12 @@ double BrakingSpeed(double left, double deceleration) {
 
 }  // namespace
 
+MotionCommand MotionCommand::Leveled() const {
+  const RigidTransform level = thalweg::Leveled(T_WB);
+  const Eigen::Matrix3d R_LB = level.linear().transpose() * T_WB.linear();
+  return {.T_WB = level, .v_WB_B = R_LB * v_WB_B, .w_WB_B = R_LB * w_WB_B};
+}
+
 PathFollower::Options PathFollower::OptionsFor(const RobotModel& robot) {
   Options options;
   options.max_speed = robot.max_speed;
@@ -44,7 +51,7 @@ PathFollower::Options PathFollower::OptionsFor(const RobotModel& robot) {
   options.smoothing = robot.smoothing();
   options.max_turn_rate = robot.max_turn_rate;
   options.max_turn_acceleration = robot.max_turn_acceleration;
-  if (robot.gimballed()) options.max_gimbal_rate = robot.max_gimbal_rate;
+  if (robot.gimballed()) options.gimballed = robot;
   options.faces_travel = robot.faces_travel();
   return options;
 }
@@ -53,12 +60,12 @@ PathFollower::PathFollower(const Options& options)
     : options_(options),
       max_lead_(options.max_speed * (0.5 * options.max_speed / options.max_acceleration + options.delay +
                                      0.5 * options.smoothing)),
-      max_angle_lead_(options.max_turn_rate *
-                      (0.5 * options.max_turn_rate / options.max_turn_acceleration + options.delay)),
+      max_angle_lead_(options.greatest_turn_rate() *
+                      (0.5 * options.greatest_turn_rate() / options.max_turn_acceleration + options.delay)),
       cut_off_(options.cut_off),
       orientation_({.rate = options.max_turn_rate,
                     .acceleration = options.max_turn_acceleration,
-                    .gimbal_rate = options.max_gimbal_rate}),
+                    .gimbal_rate = options.gimballed.gimballed() ? options.gimballed.max_gimbal_rate : 0.0}),
       retreat_(options.retreat) {
   if (options.checked_body) check_.emplace(*options.checked_body);
   if (options.smoothing > 0.0) smoother_.emplace(options.smoothing);
@@ -227,8 +234,11 @@ void PathFollower::Advance(StopReason emergency, double dt) {
 StopReason PathFollower::TryJoin() {
   const bool robot_elsewhere = Lead() > options_.position_tolerance || AngleLead() > options_.angle_tolerance;
   if (!has_command_ || (Standing() && robot_elsewhere)) StandAtRobot();
-  const auto joined = JoinPath(p_W_, path().T_WBs, options_.path_tolerance);
+  auto joined = JoinPath(p_W_, path().T_WBs, options_.path_tolerance);
   if (!joined) return speed_ > 0.0 ? StopReason::kNone : StopReason::kOffPath;
+  if (options_.gimballed.gimballed()) {
+    for (RigidTransform& T_WB : *joined) T_WB = Held(options_.gimballed, T_WB);
+  }
   Track track(*joined, {.max_speed = options_.max_speed,
                         .max_acceleration = options_.max_acceleration,
                         .corner_step = options_.corner_step,
@@ -248,7 +258,7 @@ StopReason PathFollower::TryJoin() {
 }
 
 void PathFollower::CheckTrack() {
-  if (!check_ || map_ == nullptr) return;
+  if (!check_ || map_ == nullptr || (previews_ && !recheck_)) return;
   if (std::exchange(recheck_, false)) check_->Restart(*map_, *track_, s_);
   check_->Continue(*map_, *track_);
 }
@@ -370,7 +380,9 @@ bool PathFollower::Standing() const {
 }
 
 bool PathFollower::LeftPath() const {
-  return RobotOnTrack().distance > options_.path_tolerance;
+  const double lag =
+      (p_W_ - CommandedPosition()).norm();  // on what came before the track, if it has just begun
+  return RobotOnTrack().distance > options_.path_tolerance + lag;
 }
 
 /// Whether the command is as far ahead of the robot as allowed.
@@ -449,7 +461,7 @@ MotionCommand PathFollower::MakeCommand() const {
     w_B += options_.feedback * LogOf(q_BW * orientation_.q_WB());
   }
   command.v_WB_B = ClampNorm(q_BW * v_W, options_.max_speed);
-  command.w_WB_B = ClampNorm(w_B, options_.max_turn_rate);
+  command.w_WB_B = ClampNorm(w_B, options_.greatest_turn_rate());
   return command;
 }
 

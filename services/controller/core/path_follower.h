@@ -21,6 +21,10 @@ struct MotionCommand {
   RigidTransform T_WB;
   Eigen::Vector3d v_WB_B = Eigen::Vector3d::Zero();  ///< [m/s]
   Eigen::Vector3d w_WB_B = Eigen::Vector3d::Zero();  ///< [rad/s]
+
+  /// The same in the level frame that has the body's heading, for a base that carries a gimbal: its turn is
+  /// about z, the gimbal's about y, positive downward.
+  MotionCommand Leveled() const;
 };
 
 enum class MotionState : std::uint8_t { kIdle, kFollowing, kDone, kStopped };
@@ -97,7 +101,7 @@ class PathFollower {
     double smoothing = 0.0;  ///< [s] Over which positions are averaged; 0 = not. See RobotModel::smoothing.
     double max_turn_rate = RobotModel{}.max_turn_rate;                  ///< [rad/s]
     double max_turn_acceleration = RobotModel{}.max_turn_acceleration;  ///< [rad/s^2]
-    double max_gimbal_rate = 0.0;                     ///< [rad/s] The pitch's; 0 = there is no gimbal.
+    RobotModel gimballed = {};                        ///< The robot, if it has a gimbal; else one without.
     bool faces_travel = RobotModel{}.faces_travel();  ///< The robot is level and moves only where it faces.
     double emergency_factor = 2.5;  ///< Emergency braking relative to the accelerations above.
     double corner_step =
@@ -115,6 +119,10 @@ class PathFollower {
     Retreat::Options retreat;
     CutOff::Options cut_off = {};
     std::optional<PathCheck::Body> checked_body = {};  ///< Body for which paths are checked; empty = not.
+    /// [rad/s] About all axes together.
+    double greatest_turn_rate() const {
+      return gimballed.gimballed() ? gimballed.greatest_turn_rate() : max_turn_rate;
+    }
     double map_silence = 1.0;  ///< [s] Age of the last map update beyond which a robot that is cut off stops.
   };
   /// The defaults, with the limits of a robot and how it moves.
@@ -218,7 +226,8 @@ class PathFollower {
   std::optional<PathCheck> check_;  ///< Checks track_, if paths are checked.
   const OccupancyGrid* map_ = nullptr;
   Time map_heard_;
-  bool recheck_ = false;  ///< The track or the map has changed.
+  bool recheck_ = false;   ///< The track or the map has changed.
+  bool previews_ = false;  ///< This is a copy that only looks ahead, as far as its track has been checked.
   bool pose_silent_ = false;
   std::optional<Time> last_step_;
   double dt_ = 0.0;  ///< [s] Length of the last step.

@@ -31,6 +31,8 @@ TrajectoryPoint PathFollower::Moment(double time) const {
 std::vector<TrajectoryPoint> PathFollower::Preview(double step, double horizon) const {
   if (!has_command_ || !path_ || !last_step_) return {};
   PathFollower ahead = *this;
+  ahead.previews_ = true;
+  if (!Lost(*last_step_)) ahead.lost_.reset();
   std::vector<TrajectoryPoint> moments{ahead.Moment(0.0)};
   const double longest_brake = std::max(options_.max_speed / options_.max_acceleration,
                                         options_.max_turn_rate / options_.max_turn_acceleration) +
@@ -48,6 +50,7 @@ std::vector<TrajectoryPoint> PathFollower::Preview(double step, double horizon) 
       ahead.SetPath(now, {}, now);
     }
     ahead.SetPose(moments.back().T_WB, now);
+    ahead.pose_silent_ = pose_silent_;
     const Motion motion = ahead.Step(now);
     moments.push_back(ahead.Moment(time));
     stands = motion.state != MotionState::kFollowing && !ahead.back_ && ahead.Standing();

@@ -73,7 +73,7 @@ MotionFigures MotionFrom(const nlohmann::json& json) {
           .stops = json.at("stops"),
           .most_speed = json.at("most_speed_mps"),
           .most_acceleration = json.at("most_acceleration_mps2"),
-          .most_jerk = json.at("most_jerk_mps3"),
+          .most_jerk = json.value("most_jerk_mps3", 0.0),  // older ones do not have it
           .most_sideways_speed = json.at("most_sideways_speed_mps"),
           .most_turn_rate = json.at("most_turn_rate_radps"),
           .most_turn_acceleration = json.at("most_turn_acceleration_radps2")};

@@ -25,6 +25,10 @@ controller::PathFollower FollowerOf(const RobotModel& robot) {
   return controller::PathFollower(options);
 }
 
+RigidTransform StartOf(const RobotModel& robot, const RigidTransform& T_WB) {
+  return robot.gimballed() ? Held(robot, T_WB) : T_WB;
+}
+
 class Run {
  public:
   Run(const simulator::World& world, const RigidTransform& T_WB_start, const LockstepOptions& options,
@@ -39,10 +43,10 @@ class Run {
         observe_cloud_(observe_cloud),
         sensor_(options.sensor, options.stereo, options.noise_seed, options.colors),
         contacts_(world_, options.robot),
-        motion_(T_WB_start),
+        motion_(StartOf(options.robot, T_WB_start)),
         loop_(options.explorer),
-        T_WB_(T_WB_start),
-        T_WB_true_(T_WB_start),
+        T_WB_(StartOf(options.robot, T_WB_start)),
+        T_WB_true_(T_WB_),
         start_height_(T_WB_start.translation().z()),
         traveled_W_(T_WB_start.translation()),
         distant_W_(T_WB_start.translation()) {
@@ -50,8 +54,7 @@ class Run {
       if (options.own_pose) throw std::invalid_argument("dynamic motion needs the true pose");
       follower_.emplace(FollowerOf(options.robot));
     }
-    if (options.own_pose)
-      own_pose_.emplace(*options.own_pose, options.robot.T_BC, T_WB_start, options.noise_seed);
+    if (options.own_pose) own_pose_.emplace(*options.own_pose, options.robot.T_BC, T_WB_, options.noise_seed);
   }
 
   LockstepResult Explore(const PlanObserver& observe) {

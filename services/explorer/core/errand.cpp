@@ -26,11 +26,11 @@ std::string Obstruction(const PlanningMap& map, const VoxelIndex& i) {
   return "is free, but too near to an obstacle, a no-go box or unknown space for the robot's body";
 }
 
-/// The level orientation in which a path ends.
-Eigen::Matrix3d HeadingOf(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB) {
+/// The heading in which a path ends.
+double HeadingOf(const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB) {
   const Eigen::Vector3d step = path_W.back() - path_W[path_W.size() - 2];
   const bool steep = step.head<2>().norm() < kFlat;
-  return RotationFromYawPitch(steep ? YawOf(R_WB) : std::atan2(step.y(), step.x()), 0.0);
+  return steep ? YawOf(R_WB) : std::atan2(step.y(), step.x());
 }
 
 /// The orientation in which a camera sees a voxel: the camera's own axis on it where the body may turn so,
@@ -93,7 +93,7 @@ std::optional<ErrandPath> PathInto(const VoxelIndex& goal, const std::optional<d
   return in.First([&](const PathSearch& search) -> std::optional<ErrandPath> {
     if (!search.Reached(goal)) return std::nullopt;
     ErrandPath found{search.PathFrom(in.map(), in.from_W(), goal), {}};
-    found.R_WB = yaw_W ? RotationFromYawPitch(*yaw_W, 0.0) : HeadingOf(found.path_W, in.T_WB.linear());
+    found.R_WB = RotationFromYawPitch(yaw_W ? *yaw_W : HeadingOf(found.path_W, in.T_WB.linear()), 0.0);
     return found;
   });
 }

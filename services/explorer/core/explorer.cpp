@@ -5,6 +5,7 @@
 
 #include "common/base/stage_names.h"
 #include "common/base/stopwatch.h"
+#include "common/geometry/attitude.h"
 #include "common/geometry/point_text.h"
 #include "services/explorer/core/aftermath.h"
 #include "services/explorer/core/no_go_paths.h"
@@ -137,8 +138,7 @@ std::optional<Task::Departure> Explorer::DepartureOf(const RigidTransform& T_WB,
   const double decides = options_.decision_time + 0.5 * options_.robot.smoothing();
   const double brakes = 0.5 * speed * speed / options_.robot.max_acceleration;
   return task_.DepartAhead(T_WB, speed * decides + brakes,
-                           decides + 0.5 * speed / options_.robot.max_acceleration,
-                           options_.robot.max_turn_rate);
+                           decides + 0.5 * speed / options_.robot.max_acceleration, options_.robot);
 }
 
 bool Explorer::CanReplan(const RigidTransform& T_WB, double speed) const {
@@ -228,6 +228,9 @@ Task Explorer::Explore(const RigidTransform& T_WB, Time now) {
 
 Plan Explorer::FinishPlan(Task task, double milliseconds) {
   after_turn_.reset();
+  if (options_.robot.gimballed()) {
+    for (RigidTransform& T_WB : task.plan.T_WBs) T_WB = Held(options_.robot, T_WB);
+  }
   task_ = std::move(task);
   if (task_.turn_first) {
     after_turn_ = task_;

@@ -8,6 +8,7 @@
 
 #include "common/base/angles.h"
 #include "common/base/check.h"
+#include "common/geometry/attitude.h"
 #include "common/geometry/polyline.h"
 
 namespace thalweg::explorer {
@@ -54,7 +55,7 @@ void Task::Follow(FacedPath path, const PlanningMap& map, double enough) {
 }
 
 std::optional<Task::Departure> Task::DepartAhead(const RigidTransform& T_WB, double ahead, double time,
-                                                 double max_turn_rate) const {
+                                                 const RobotModel& robot) const {
   constexpr double kBeside = 0.3;  // [m]
   if (plan.T_WBs.size() < 2) return std::nullopt;
   std::size_t n = SegmentNearest(plan.T_WBs, T_WB.translation());
@@ -90,7 +91,7 @@ std::optional<Task::Departure> Task::DepartAhead(const RigidTransform& T_WB, dou
     add(at_W);
   }
   if (departure.lead.T_WBs.size() < 2) return std::nullopt;
-  departure.T_WB = TurnedTowards(T_WB, departure.lead.T_WBs.back(), max_turn_rate * time);
+  departure.T_WB = TurnedFor(robot, T_WB, departure.lead.T_WBs.back(), time);
   departure.T_WB.translation() = departure.lead.T_WBs.back().translation();
   return departure;
 }
@@ -104,8 +105,7 @@ void Task::Prepend(const FacedPath& lead, const PlanningMap& map, double enough)
   Follow(std::move(path), map, enough);
 }
 
-bool Task::StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double least,
-                      double radius) const {
+bool Task::StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double least, double radius) const {
   constexpr auto kOccupied = PlanningMap::Obstacles::kOccupied;
   Eigen::Vector3d from = p_W;
   for (std::size_t n = SegmentNearest(plan.T_WBs, p_W); n < plan.T_WBs.size(); ++n) {
@@ -114,7 +114,7 @@ bool Task::StillClear(const PlanningMap& map, const Eigen::Vector3d& p_W, double
     const double planned = clearance[n - 1] - kClearanceTolerance;
     if (!map.SegmentClear(from, to, kOccupied, std::min(least, planned))) return false;
     if (planned < radius && !map.SegmentClearBut(map.TouchedAt(p_W, kOccupied, radius), from, to, kOccupied,
-                                                radius - kClearanceTolerance))
+                                                 radius - kClearanceTolerance))
       return false;
     from = to;
   }

@@ -36,7 +36,7 @@ struct Task {
   /// @param time   [s] Least time until then.
   /// @return       Empty for a robot beside the path, or when it has no way to go on it.
   std::optional<Departure> DepartAhead(const RigidTransform& T_WB, double ahead, double time,
-                                       double max_turn_rate) const;
+                                       const RobotModel& robot) const;
   /// Inserts what leads to the path from where the robot is.
   void Prepend(const FacedPath& lead, const PlanningMap& map, double enough);
   /// Whether the path ahead of the robot keeps `least` [m] from occupied voxels, or the clearance it had when

@@ -67,8 +67,9 @@ void Refine(ChannelPolicy& policy) {
     policy.repeats_unacknowledged = false;  // the feed starts over
     policy.packed = false;                  // by the codec of maps
   }
-  // Pictures of what the map and the last plan look like: large, for people.
-  if (is(topics::Octomap::kName) || is(topics::Frontiers::kName) || is(topics::Streamline::kName)) {
+  // Pictures of what the map, the last plan and the motion to come look like: large, for people.
+  if (is(topics::Octomap::kName) || is(topics::Frontiers::kName) || is(topics::Streamline::kName) ||
+      is(topics::Trajectory::kName)) {
     policy.priority = Priority::kBulk;
   }
 }

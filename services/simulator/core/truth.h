@@ -36,7 +36,7 @@ class TrueMap {
     PinholeCamera camera = DepthSensorModel().camera;  ///< Not used for a robot that turns freely.
     double view_range = MapModel{}.max_range;          ///< [m] along the ray.
   };
-  /// The camera of a robot that starts there, if it stays level; empty: it may look up and down freely.
+  /// The camera of a robot that starts there; empty: it may look up and down freely.
   static std::optional<LevelCamera> CameraOf(const Options& options, const Eigen::Vector3d& start_W);
 
   /// Throws std::invalid_argument when an option is not positive or the robot does not fit at the start.

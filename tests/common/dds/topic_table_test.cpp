@@ -32,6 +32,7 @@ TEST(TopicTable, WhatServicesWouldActOnIsReplayedOnlyIfNamed) {
                                           topics::PoseCommand::kName,
                                           topics::VelocityCommand::kName,
                                           topics::StampedVelocityCommand::kName,
+                                          topics::Trajectory::kName,
                                           topics::OperatorCommands::kName,
                                           topics::CommandReplies::kName,
                                           topics::MapRequests::kName,

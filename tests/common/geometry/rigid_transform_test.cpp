@@ -84,5 +84,12 @@ TEST(RobotModel, DefaultDepthSensorHasTheThesisFieldOfView) {
   EXPECT_NEAR(2.0 * std::atan(0.5 * camera.width_px / camera.fx), 75.0 * kDegree, 1e-12);
 }
 
+TEST(YawOf, IsTheHeadingEvenStraightUpAndDown) {
+  for (const double yaw : {-3.0, -1.0, 0.2, 2.5}) {
+    for (const double pitch : {-0.5 * std::numbers::pi, -1.5, 0.0, 1.3, 0.5 * std::numbers::pi})
+      EXPECT_NEAR(YawOf(RotationFromYawPitch(yaw, pitch)), yaw, 1e-9) << pitch;
+  }
+}
+
 }  // namespace
 }  // namespace thalweg

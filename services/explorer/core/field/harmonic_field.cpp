@@ -5,7 +5,6 @@
 #include <limits>
 #include <numeric>
 #include <stdexcept>
-#include <thread>
 
 #include "common/base/check.h"
 #include "common/base/stopwatch.h"
@@ -25,11 +24,6 @@ using field::Team;
 float ScreeningOf(const HarmonicField::Options& options) {
   const double k = options.screening_length_cells > 0.0 ? 1.0 / options.screening_length_cells : 0.0;
   return static_cast<float>(k * k);
-}
-
-int ThreadsFor(std::size_t cells, const HarmonicField::Options& options) {
-  if (options.threads > 0) return options.threads;
-  return cells >= HarmonicField::kCellsForThreads && std::thread::hardware_concurrency() > 1 ? 2 : 1;
 }
 
 }  // namespace
@@ -96,7 +90,7 @@ const DenseGrid<float>& HarmonicField::Solve(const DenseGrid<FieldCell>& cells, 
   if ((automatic || options.solver == Solver::kGpu) && s.SolveOnGpu(cells, options)) return s.phi;
   if (options.solver == Solver::kGpu) throw std::runtime_error(s.no_gpu);
   const Stopwatch preparing;
-  Team team(ThreadsFor(cells.size(), options));
+  Team team(options.threads);
   s.Prepare(cells, options, team);
   s.statistics.setup_ms = preparing.Milliseconds();
 
@@ -197,8 +191,7 @@ void HarmonicField::State::Guess(const DenseGrid<FieldCell>& cells, const DenseG
   for (const std::size_t k : open) high[k] = 0.0F;
 }
 
-/// Computes residual = b - A phi in double precision. @return Its squared norm.
-/// r = b - A (high + low). @return r . r
+/// r = b - A (high + low): A high in double precision, A low in single. @return r . r
 double HarmonicField::State::TrueResidual(Low low_is, const Team::Member& member) {
   member.Wait();
   const float* const second = low_is == Low::kAny ? low.data() : nullptr;

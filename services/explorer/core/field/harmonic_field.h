@@ -42,15 +42,13 @@ class HarmonicField {
   };
   /// Cells of the grid from which on a GPU is worth it.
   static constexpr std::size_t kCellsForGpu = 300'000;
-  /// Cells of the grid from which on two threads save more than they wait for each other.
-  static constexpr std::size_t kCellsForThreads = 2'000'000;
 
   struct Options {
     double relative_residual = 1e-6;
     int max_iterations = 100;
     double screening_length_cells = 0.0;  ///< 0 = none.
     double weak_sink = 0.5;               ///< In (0, 1].
-    int threads = 0;                      ///< On the CPU; 0 = two from kCellsForThreads cells on, else one.
+    int threads = 1;                      ///< On the CPU; more pay from some millions of cells on.
     Solver solver = Solver::kAutomatic;
   };
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "common/base/angles.h"
+#include "common/geometry/attitude.h"
 #include "common/geometry/polyline.h"
 
 namespace thalweg::explorer {
@@ -89,6 +90,13 @@ FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Ve
   // The orientation at each sample; that of the first is the one for setting out.
   std::vector<Eigen::Matrix3d> R_WBs(samples.size(), R_WB_end);
   const double travel_per_turn = robot.max_speed / robot.max_turn_rate;  // [m/rad]
+  const auto travel_to_turn = [&](const Eigen::Matrix3d& from, const Eigen::Matrix3d& to) {
+    if (!robot.gimballed()) return AngleBetween(from, to) * travel_per_turn;
+    const YawPitch a = YawPitchOf(from);
+    const YawPitch b = YawPitchOf(to);
+    return robot.max_speed * std::max(std::abs(WrappedAngle(b.yaw - a.yaw)) / robot.max_turn_rate,
+                                      std::abs(b.pitch - a.pitch) / robot.max_gimbal_rate);
+  };
   const std::vector<Eigen::Vector3d> gazes = GazesOf(samples);
   // orientation reached when turning at full rate while traveling at full speed
   RigidTransform turned = T_WB;
@@ -97,18 +105,19 @@ FacedPath FaceNarrowPassages(const PlanningMap& map, const std::vector<Eigen::Ve
   for (std::size_t n = 0; n + 1 < samples.size(); ++n) {
     if (n > 0) {
       const double travel = samples[n].arc - samples[n - 1].arc;
-      turned =
-          TurnedTowards(turned, MakeTransform(R_WBs[n - 1], T_WB.translation()), travel / travel_per_turn);
+      const RigidTransform toward = MakeTransform(R_WBs[n - 1], T_WB.translation());
+      turned = robot.gimballed() ? TurnedFor(robot, turned, toward, travel / robot.max_speed)
+                                 : TurnedTowards(turned, toward, travel / travel_per_turn);
     }
     if (!std::isfinite(next_narrow[n])) continue;
     const Eigen::Matrix3d& before = n > 0 ? R_WBs[n - 1] : T_WB.linear();
     const Eigen::Matrix3d facing = Facing(gazes[n] - samples[n].p_W, before, robot);
-    const double reach = std::max(kBefore, kTurned + AngleBetween(turned.linear(), facing) * travel_per_turn);
+    const double reach = std::max(kBefore, kTurned + travel_to_turn(turned.linear(), facing));
     if (faces_until != next_narrow[n] && next_narrow[n] - samples[n].arc > reach) continue;
     faces_until = next_narrow[n];
     const double off = AngleBetween(before, facing);
     R_WBs[n] = off < kOffThePath ? before : facing;
-    if (n == 0 && off >= sees && kTurned + off * travel_per_turn > next_narrow[n]) {
+    if (n == 0 && off >= sees && kTurned + travel_to_turn(before, facing) > next_narrow[n]) {
       path.turn_first = true;
       turned.linear() = facing;
     }

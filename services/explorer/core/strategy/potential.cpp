@@ -73,6 +73,7 @@ void Visit(OptionVisitor& visitor, Potential::Options& options) {
     using Solver = HarmonicField::Solver;
     potential.Choice("solver", options.solver,
                      {{"AUTOMATIC", Solver::kAutomatic}, {"CPU", Solver::kCpu}, {"GPU", Solver::kGpu}});
+    potential.Whole("threads", options.threads);
   });
 }
 
@@ -146,6 +147,7 @@ void Potential::Solve(const Situation& situation, DenseGrid<FieldCell>& cells) {
                {.relative_residual = options_.relative_residual,
                 .screening_length_cells = options_.screening_length / situation.map.voxel_size(),
                 .weak_sink = situation.map.options().doubt.weight,
+                .threads = options_.threads,
                 .solver = options_.solver},
                paths);
 }

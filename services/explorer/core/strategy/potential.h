@@ -41,6 +41,7 @@ class Potential final : public Strategy {
     Path path = Path::kStreamline;
     bool seal = false;  ///< Treats explored dead ends as walls: faster, and the field hardly changes.
     HarmonicField::Solver solver = HarmonicField::Options{}.solver;
+    int threads = HarmonicField::Options{}.threads;  ///< The solver's, on the CPU.
 
     /// These options with what makes strategy potential_flux: a source of 0.3 m, the cluster with the largest
     /// inflow per meter of path, the path traced back from it, dead ends sealed.

@@ -19,7 +19,12 @@ double AngleOf(double cosine) {
 StopPrices::StopPrices(const Situation& situation, const std::vector<CoverStop>& stops)
     : situation_(situation), stops_(stops) {
   if (!situation.time) return;
-  longest_turn_ = TurnTime(std::numbers::pi, situation.time->model);
+  const RobotModel& robot = situation.time->model;
+  longest_turn_ = TurnTime(std::numbers::pi, robot);
+  if (robot.gimballed()) {
+    longest_turn_ = TurnTime(RotationFromYawPitch(0.0, robot.gimbal_lowest),
+                             RotationFromYawPitch(std::numbers::pi, robot.gimbal_highest), robot);
+  }
   for (const CoverStop& stop : stops)
     faced_.push_back(
         situation.time->model.faces_travel() ||

@@ -58,9 +58,9 @@ TEST(ControllerMistakes, ARobotWithLimitedJerkThatCannotStopInTimeIsOne) {
   EXPECT_EQ(ToString(mistakes[0].field), "controller.silence_s");
   EXPECT_EQ(
       mistakes[0].text,
-      "is 0.5, must be at least 0.7 s with this robot.max_jerk_mps3: a robot at its greatest speed takes "
+      "is 0.5, must be at least 0.79 s with this robot.max_jerk_mps3: a robot at its greatest speed takes "
       "that long to stop");
-  scenario.mutable_controller()->set_silence_s(0.7);
+  scenario.mutable_controller()->set_silence_s(0.79);
   EXPECT_TRUE(controller::MistakesIn(scenario).empty());
 }
 

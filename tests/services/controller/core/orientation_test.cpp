@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "common/geometry/attitude.h"
@@ -78,6 +79,15 @@ TEST(Orientation, TurnsNoFasterThanItIsAllowed) {
       orientation.TurnTo(Looking(3.0, 1.0), 0.3, kTurnTick);
       EXPECT_LE(orientation.rate_B().norm(), std::sqrt(2.0) * 0.3 + 1e-9);
     }
+  }
+}
+
+TEST(Orientation, OfAGimbalStandsStraightDownAndStraightUp) {
+  for (const double pitch : {-0.5 * std::numbers::pi, 0.5 * std::numbers::pi}) {
+    Orientation orientation(kWithGimbal);
+    for (int n = 0; n < 400; ++n) orientation.TurnTo(Looking(2.0, pitch), 10.0, kTurnTick);
+    EXPECT_EQ(orientation.rate_B(), Eigen::Vector3d::Zero());
+    EXPECT_LT(orientation.q_WB().angularDistance(Looking(2.0, pitch)), 1e-7);
   }
 }
 

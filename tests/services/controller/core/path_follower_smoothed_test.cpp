@@ -128,21 +128,39 @@ TEST(PathFollowerSmoothed, WaitsForARobotThatIsStuckAndGoesOn) {
 }
 
 TEST(PathFollowerSmoothed, JoinsAnotherPathWithoutAJump) {
-  std::mt19937 random(8);
-  Ride ride(At(0, 0), FastAndSmooth());
-  const PathFollower::Options& limits = ride.follower().options();
-  Differences differences;
-  for (int round = 0; round < 30; ++round) {
-    const auto path = RandomPath(random, ride.robot(), 6, 1.0);
-    ride.Follow(path);
-    for (int n = 0; n < 50; ++n) {
-      const Motion motion = ride.Tick();
-      if (motion.command) differences.Add(motion.command->T_WB);
+  for (const double speed : {2.0, 3.0}) {
+    std::mt19937 random(8);
+    RobotModel robot = FastRobot();
+    robot.max_speed = speed;
+    PathFollower::Options options = PathFollower::OptionsFor(robot);
+    options.silence = 1.2;
+    Ride ride(At(0, 0), options);
+    const PathFollower::Options& limits = ride.follower().options();
+    Differences differences;
+    const auto ticks = [&](int count) {
+      Motion motion;
+      for (int n = 0; n < count; ++n) {
+        motion = ride.Tick();
+        if (motion.command) differences.Add(motion.command->T_WB);
+      }
+      return motion;
+    };
+    for (int round = 0; round < 30; ++round) {
+      ride.Follow(RandomPath(random, ride.robot(), 6, 1.0));
+      ticks(50);
     }
+    // One that goes on straight, which is joined at full speed.
+    const Eigen::Vector3d from = ride.robot().translation();
+    const auto ahead = [&](double x) { return At(from.x() + x, from.y(), from.z()); };
+    ride.Follow({ahead(0), ahead(60)});
+    EXPECT_NEAR(ticks(200).speed, speed, 1e-6);
+    const double x = ride.robot().translation().x() - from.x();
+    ride.Follow({ahead(x), ahead(70)});
+    EXPECT_NEAR(ticks(20).speed, speed, 1e-6) << "it did not stop for that";
+    const double corner = limits.corner_step * kTick / limits.smoothing;
+    EXPECT_LE(differences.speed_step,
+              std::sqrt(2.0) * limits.emergency_factor * limits.max_acceleration * kTick + 2.0 * corner);
   }
-  const double corner = limits.corner_step * kTick / limits.smoothing;
-  EXPECT_LE(differences.speed_step,
-            std::sqrt(2.0) * limits.emergency_factor * limits.max_acceleration * kTick + 2.0 * corner);
 }
 
 }  // namespace

@@ -305,5 +305,42 @@ TEST(PathFollower, RefusesOptionsThatMakeNoSense) {
   EXPECT_THROW(PathFollower({.silence = -1.0, .retreat = {}}), std::invalid_argument);
 }
 
+TEST(PathFollower, OfAGimbalArrivesWhateverOrientationsThePathGives) {
+  RobotModel robot{.attitude = Attitude::kGimbal};
+  const Eigen::Matrix3d rolled =
+      RotationFromYawPitch(0.7, 1.2) * Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  Ride ride(At(0, 0), PathFollower::OptionsFor(robot));
+  ride.Follow({At(0, 0), MakeTransform(rolled, {1.0, 0.0, 0.0})});
+  const Motion motion = ride.UntilDone();
+  EXPECT_NEAR(motion.command->T_WB.linear()(2, 1), 0.0, 1e-9) << "no roll";
+  EXPECT_NEAR(motion.command->T_WB.linear()(2, 0), std::sin(robot.gimbal_highest), 1e-9);
+}
+
+TEST(PathFollower, OfAGimbalGoesBackWhenItIsCutOff) {
+  RobotModel robot{.attitude = Attitude::kGimbal};
+  PathFollower::Options options = PathFollower::OptionsFor(robot);
+  options.cut_off = {.action = OnCutOff::kRetreat, .after = 1.0, .step = 0.3};
+  std::mt19937 random(6);
+  Ride ride(At(0, 0), options);
+  ride.Follow(RandomPath(random, At(0, 0), 8, 0.5));
+  for (int n = 0; n < 400; ++n) ride.Tick();
+  ride.path_silent = true;
+  ride.Until([](const Motion& motion) { return motion.back == BackPlace::kFartherBack; });
+  ride.Until([](const Motion& motion) { return motion.reason == StopReason::kWentBack; });
+}
+
+TEST(MotionCommand, IsLeveledForABaseThatCarriesAGimbal) {
+  // It moves ahead at 0.4 m/s, turns left at 0.3 rad/s and pitches down at 0.2 rad/s, looking steeply down.
+  const Eigen::Matrix3d R_WB = RotationFromYawPitch(0.8, -1.3);
+  const Eigen::Vector3d ahead_W(std::cos(0.8), std::sin(0.8), 0.0);
+  const MotionCommand command{
+      .T_WB = MakeTransform(R_WB, {1, 2, 3}),
+      .v_WB_B = R_WB.transpose() * (0.4 * ahead_W),
+      .w_WB_B = R_WB.transpose() * Eigen::Vector3d(0, 0, 0.3) + Eigen::Vector3d(0, 0.2, 0)};
+  const MotionCommand level = command.Leveled();
+  EXPECT_LT((level.v_WB_B - Eigen::Vector3d(0.4, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((level.w_WB_B - Eigen::Vector3d(0, 0.2, 0.3)).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace thalweg::controller

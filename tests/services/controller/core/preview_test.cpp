@@ -111,6 +111,32 @@ TEST(Preview, OfARobotThatIsStoppedEndsWhereItBrakes) {
   EXPECT_NEAR((points.back().T_WB.translation() - ride.robot().translation()).norm(), 0.0, 1e-9);
 }
 
+TEST(Preview, OfARobotWhosePoseIsSilentIsItsStop) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(5, 0)});
+  for (int n = 0; n < 100; ++n) ride.Tick();
+  ride.pose_silent = true;
+  ride.Until([](const Motion& motion) { return motion.reason == StopReason::kPoseSilent; });
+  const std::vector<TrajectoryPoint> points = ride.follower().Preview(0.1, 5.0);
+  EXPECT_LT(points.back().time, 0.5);
+  EXPECT_EQ(points.back().v_W, Eigen::Vector3d::Zero());
+  const double stopped = points.back().T_WB.translation().x();
+  ride.Until([](const Motion& motion) { return motion.speed == 0.0; });
+  const std::vector<TrajectoryPoint> later = ride.follower().Preview(0.1, 5.0);
+  ASSERT_EQ(later.size(), 1U) << "it does not go on";
+  EXPECT_NEAR(later.front().T_WB.translation().x(), stopped, 0.03);
+}
+
+TEST(Preview, AReportOfBeingLostThatHasExpiredCountsNoMore) {
+  Ride ride(At(0, 0));
+  ride.Follow({At(0, 0), At(3, 0)});
+  for (int n = 0; n < 60; ++n) ride.Tick();
+  ride.follower().SetLost(true, ride.time());
+  for (int n = 0; n < 40; ++n) ride.Tick();
+  const double x = ride.robot().translation().x();
+  EXPECT_GT(ride.follower().Preview(0.1, 5.0).back().T_WB.translation().x(), x + 1.0);
+}
+
 TEST(Preview, OfALostRobotIsItsRetreat) {
   Ride ride(At(0, 0));
   ride.Follow({At(0, 0), At(3, 0)});

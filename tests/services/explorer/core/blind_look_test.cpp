@@ -45,9 +45,11 @@ TEST(BlindLook, OthersLookDownAndUpAsWell) {
 TEST(BlindLook, OneWithAGimbalLooksUpAsFarAsItGoes) {
   BlindLook look;
   const std::vector<Eigen::Vector3d> directions = Directions(look, Attitude::kGimbal);
-  ASSERT_EQ(directions.size(), 18U);
+  ASSERT_EQ(directions.size(), 24U);
+  EXPECT_NEAR(directions[0].z(), 0.0, 1e-9);
   EXPECT_NEAR(directions[6].z(), std::sin(RobotModel{}.gimbal_highest), 1e-9);
   EXPECT_NEAR(directions[12].z(), -std::sin(0.25 * std::numbers::pi), 1e-9);
+  EXPECT_NEAR(directions[18].z(), std::sin(RobotModel{}.gimbal_lowest), 1e-9);
 }
 
 TEST(BlindLook, BeginsAgainOnceFreeSpaceWasKnown) {

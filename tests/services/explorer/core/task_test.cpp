@@ -123,7 +123,7 @@ TEST(Task, WhatWasDoubtfulIsKnownOnceItIsSureAndWhatWasUnknownInAnyCase) {
 
 TEST_F(TaskTest, ARobotLeavesThePathNoSoonerThanItCan) {
   const RigidTransform T_WB = MakeTransform(RotationFromYawPitch(90.0 * kDegree, 0.0), {1.05, 0.57, 0.55});
-  const auto departure = task_.DepartAhead(T_WB, 1.5, 0.5, 60.0 * kDegree);
+  const auto departure = task_.DepartAhead(T_WB, 1.5, 0.5, {.max_turn_rate = 60.0 * kDegree});
   ASSERT_TRUE(departure);
   const std::vector<RigidTransform>& lead = departure->lead.T_WBs;
   ASSERT_EQ(lead.size(), 3U);
@@ -136,15 +136,17 @@ TEST_F(TaskTest, ARobotLeavesThePathNoSoonerThanItCan) {
 }
 
 TEST_F(TaskTest, WhatLeadsAheadFollowsCornersAndEndsWithThePath) {
-  const auto round = task_.DepartAhead(test::At(2.55, 0.55, 0.55), 1.0, 0.5, 1.0);
+  const auto round = task_.DepartAhead(test::At(2.55, 0.55, 0.55), 1.0, 0.5, {.max_turn_rate = 1.0});
   ASSERT_TRUE(round);
   EXPECT_NEAR(PathLength(round->lead.T_WBs), 1.1, 1e-9);
   EXPECT_TRUE(round->T_WB.translation().isApprox(Eigen::Vector3d(3.05, 0.55, 1.15), 1e-9));
-  const auto end = task_.DepartAhead(test::At(2.55, 0.55, 0.55), 9.0, 0.5, 1.0);
+  const auto end = task_.DepartAhead(test::At(2.55, 0.55, 0.55), 9.0, 0.5, {.max_turn_rate = 1.0});
   ASSERT_TRUE(end);
   EXPECT_TRUE(end->T_WB.translation().isApprox(Eigen::Vector3d(3.05, 0.55, 1.55), 1e-9));
-  EXPECT_FALSE(task_.DepartAhead(test::At(2.05, 0.95, 0.55), 0.5, 0.5, 1.0)) << "beside the path";
-  EXPECT_FALSE(task_.DepartAhead(test::At(3.05, 0.55, 1.55), 0.5, 0.5, 1.0)) << "at its end";
+  EXPECT_FALSE(task_.DepartAhead(test::At(2.05, 0.95, 0.55), 0.5, 0.5, {.max_turn_rate = 1.0}))
+      << "beside the path";
+  EXPECT_FALSE(task_.DepartAhead(test::At(3.05, 0.55, 1.55), 0.5, 0.5, {.max_turn_rate = 1.0}))
+      << "at its end";
 }
 
 TEST_F(TaskTest, WhatIsPrependedBelongsToThePath) {

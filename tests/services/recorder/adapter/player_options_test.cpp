@@ -61,9 +61,10 @@ TEST_F(PlayerOptionsTest, WhatServicesWouldActOnIsReplayedOnlyWhenItIsNamed) {
   dds::Bus other(BusOptionsForTest("named"));
   const Player named(recording.reader, {.topics = {"command/*", "replay/*", topics::OperatorCommands::kName}},
                      other);
-  EXPECT_THAT(named.topics(), testing::UnorderedElementsAre(
-                                  topics::PoseCommand::kName, topics::VelocityCommand::kName,
-                                  topics::StampedVelocityCommand::kName, topics::OperatorCommands::kName));
+  EXPECT_THAT(named.topics(),
+              testing::UnorderedElementsAre(topics::PoseCommand::kName, topics::VelocityCommand::kName,
+                                            topics::StampedVelocityCommand::kName, topics::Trajectory::kName,
+                                            topics::OperatorCommands::kName));
 }
 
 TEST_F(PlayerOptionsTest, CommandsOfARobotWithANameAreLeftOutAsWellAndNoneHidesBehindASecondSlash) {

