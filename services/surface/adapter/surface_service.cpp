@@ -25,8 +25,6 @@ namespace topics = dds::topics;
 /// most about a tenth of the time.
 constexpr double kRiftPause = 9.0;
 
-constexpr int kMostCloudsToCompare = 5;  ///< If the first ones show nothing that the checkpoint knows.
-
 /// What the sensor means by a depth of +infinity.
 dds::Infinity InfinityFor(const SurfaceServiceOptions& options) {
   return options.infinity_is_free ? dds::Infinity::kNoReturn : dds::Infinity::kNoMeasurement;
@@ -84,13 +82,12 @@ SurfaceService::SurfaceService(const SurfaceServiceOptions& options, dds::Bus& b
       views_(bus, InfinityFor(options), options.continuity),
       live_(options.surface, std::move(start.volume)),
       session_(dds::MapLog::MakeSession()),
-      clouds_to_compare_(live_.surface().volume().block_count() > 0 ? kMostCloudsToCompare : 0),
       file_(std::move(start.file)),
       updates_out_(bus.Advertise<topics::SurfaceUpdates>()),
       status_out_(bus.Advertise<topics::SurfaceStatus>()),
       rifts_out_(bus.Advertise<topics::SurfaceRifts>()),
       rift_markers_out_(bus.Advertise<topics::RiftMarkers>()) {
-  if (clouds_to_compare_ > 0) {
+  if (live_.surface().volume().block_count() > 0) {
     resumed_.emplace(live_.surface().volume());
     PublishStatus();
     PublishRifts();
@@ -233,7 +230,8 @@ SurfaceService::Outcome SurfaceService::Do(const Task& task) {
     PublishFullCopy();
     outcome.full_copy = lap();
   }
-  if (task.store) to_store_ = live_.TakeChanged();
+  // Until it is known that they are of the same place, clouds are not stored.
+  if (task.store && !resumed_) to_store_ = live_.TakeChanged();
   if (task.save_mesh) {
     live_.UpdateMesh();
     to_save_ = std::make_shared<const SurfaceMesh>(live_.mesh());
@@ -247,12 +245,13 @@ std::optional<std::string> SurfaceService::ComparePlace(const PlacedCloud& cloud
   constexpr double kFarthest = 4.0;  // [m]
   const MapAgreement agreement = resumed_->Compare(cloud.stamped.cloud, cloud.T_WB * options_.T_BC,
                                                    std::min(kFarthest, options_.surface.max_range));
+  const PlaceJudge::Verdict verdict = place_judge_.Judge(agreement, cloud.T_WB * options_.T_BC);
+  if (verdict == PlaceJudge::Verdict::kUndecided) return std::nullopt;
   const std::string file = (options_.out / kCheckpointFile).string();
-  if (agreement.IsOfAnotherPlace()) return AnotherPlaceText(agreement, file);
-  if (agreement.IsTelling()) {
-    spdlog::info("{} agrees with {} of {} rays", file, agreement.agreeing, agreement.known());
-  }
-  if (agreement.IsTelling() || --clouds_to_compare_ == 0) resumed_.reset();
+  const MapAgreement& sum = place_judge_.sum();
+  if (verdict == PlaceJudge::Verdict::kOther) return AnotherPlaceText(sum, file);
+  if (sum.IsTelling()) spdlog::info("{} agrees with {} of {} rays", file, sum.agreeing, sum.known());
+  resumed_.reset();
   return std::nullopt;
 }
 
@@ -408,7 +407,9 @@ void SurfaceService::Save() {
   SeparateWrites writes;
   // The mesh first: of the checkpoint there is an earlier one.
   writes.Try([&] { WriteFile(options_.out / kMeshFile, PlyOf(live_.mesh().Joined())); });
-  if (options_.checkpoint_period > Duration::zero()) {
+  // One that seems to be of another place stays as it is.
+  const bool is_other = resumed_ && place_judge_.sum().IsOfAnotherPlace();
+  if (options_.checkpoint_period > Duration::zero() && !is_other) {
     writes.Try([&] {
       if (to_store_) file_.Put(*to_store_);  // by a task that has outlived the spinning of the bus
       file_.Put(live_.TakeChanged());

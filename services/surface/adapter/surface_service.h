@@ -16,6 +16,7 @@
 #include "services/surface/adapter/options.h"
 #include "services/surface/adapter/volume_file.h"
 #include "services/surface/core/fused/live_surface.h"
+#include "services/surface/core/fused/place_judge.h"
 #include "services/surface/core/fused/remembered_place.h"
 
 namespace thalweg::surface {
@@ -129,7 +130,7 @@ class SurfaceService {
   std::optional<TruncatedVolume> to_store_;       ///< Blocks that have changed since the last checkpoint.
   std::shared_ptr<const SurfaceMesh> to_save_;
   std::optional<RememberedPlace> resumed_;  ///< What the checkpoint knew, while clouds are compared with it.
-  int clouds_to_compare_;
+  PlaceJudge place_judge_;
 
   VolumeFile file_;  ///< Used by disk_ while that is busy.
   dds::Bus::Publisher<dds::topics::SurfaceUpdates> updates_out_;

@@ -429,33 +429,37 @@ TEST_F(SurfaceServiceTest, DepthImagesGiveTheSurfaceOfTheirClouds) {
   EXPECT_EQ(service_->scans(), 1U);
 }
 
-TEST_F(SurfaceServiceTest, ACheckpointOfAnotherPlaceIsRefusedByTheFirstCloud) {
+TEST_F(SurfaceServiceTest, ACheckpointOfAnotherPlaceIsRefusedByTheFirstViewsAndStays) {
   options_.checkpoint_period = std::chrono::milliseconds(50);
   Start();
-  // All around, so that the robot that stands elsewhere looks at something known.
-  for (int i = 1; i <= 12; ++i) {
-    const RigidTransform T_WB = MakeTransform(RotationFromYawPitch(0.55 * i, 0.0), {-1.5, 0.1, 0.0});
+  const auto scan_round = [&](int i, const RigidTransform& T_WB, const RigidTransform& of) {
     odometry_.Write(dds::OdometryToIdl(At(0.5 * i), T_WB, {0, 0, 0}, {0, 0, 0}));
-    points_.Write(dds::ToIdl(At(0.5 * i), CloudFrom(T_WB)));
+    points_.Write(dds::ToIdl(At(0.5 * i), CloudFrom(of)));
     ASSERT_TRUE(SpinUntil([&] { return service_->scans() == static_cast<std::uint64_t>(i); }));
-  }
+  };
+  const auto here = [](int i) {
+    return MakeTransform(RotationFromYawPitch(0.55 * i, 0.0), {-1.5, 0.1, 0.0});
+  };
+  // All around, so that the robot that stands elsewhere looks at something known.
+  for (int i = 1; i <= 12; ++i) scan_round(i, here(i), here(i));
   service_->Save();
   Start();
-  const RigidTransform here = MakeTransform(RotationFromYawPitch(0.4, 0.0), {-1.5, 0.1, 0.0});
-  odometry_.Write(dds::OdometryToIdl(At(1.0), here, {0, 0, 0}, {0, 0, 0}));
-  points_.Write(dds::ToIdl(At(1.0), CloudFrom(here)));
-  ASSERT_TRUE(SpinUntil([&] { return service_->scans() == 1; })) << "the place that it knows";
+  for (int i = 1; i <= 6; ++i) scan_round(i, here(i), here(i));
+  service_.reset();
+  const std::filesystem::path file = folder_ / SurfaceService::kCheckpointFile;
+  const auto before = std::filesystem::last_write_time(file);
   Start();
-  const RigidTransform there = MakeTransform(RotationFromYawPitch(2.6, 0.0), {1.2, -1.0, 0.2});
-  odometry_.Write(dds::OdometryToIdl(At(1.0), here, {0, 0, 0}, {0, 0, 0}));
-  points_.Write(dds::ToIdl(At(1.0), CloudFrom(there)));
   try {
-    SpinUntil([&] { return service_->scans() == 1; });
+    for (int i = 1; i <= 12; ++i) {
+      const RigidTransform there = MakeTransform(RotationFromYawPitch(2.2 + 0.55 * i, 0.0), {1.2, -1.0, 0.2});
+      scan_round(i, here(i), there);
+    }
     FAIL() << "it is fused with the checkpoint of another place";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("checkpoint.surface is of another place"), std::string::npos)
         << error.what();
   }
+  EXPECT_EQ(std::filesystem::last_write_time(file), before) << "it is as it was";
 }
 
 TEST_F(SurfaceServiceTest, WhenTheMapIsSavedTheMeshIsToo) {
