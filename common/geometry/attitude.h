@@ -29,8 +29,10 @@ inline double WrappedAngle(double angle) {
 inline RigidTransform Held(const RobotModel& robot, const RigidTransform& T_WB) {
   if (robot.turns_freely()) return T_WB;
   if (robot.level()) return Leveled(T_WB);
-  const YawPitch held = YawPitchOf(T_WB.linear());
-  return MakeTransform(RotationFromYawPitch(held.yaw, robot.PitchWithin(held.pitch)), T_WB.translation());
+  // The optical axis stays where it is, as far as it can.
+  return MakeTransform(
+      RotationFromYawPitch(YawOf(T_WB.linear()), robot.PitchWithin(YawPitchOf(T_WB.linear()).pitch)),
+      T_WB.translation());
 }
 
 /// Turns a robot in place toward b's orientation as far as it comes in a time [s]: along the shortest arc, or

@@ -48,7 +48,7 @@ bool PassesThroughASurface(const OccupancyGrid& grid, const Eigen::Vector3d& fro
 std::string AnotherPlaceText(const MapAgreement& agreement, const std::string& file) {
   return file + " is of another place, or of a robot that started elsewhere: it contradicts " +
          std::to_string(agreement.contradicting) + " of the " + std::to_string(agreement.known()) +
-         " rays of a cloud that it knows something about: choose another --out or remove the file";
+         " rays that it knows something about: choose another --out or remove the file";
 }
 
 MapAgreement JudgeRays(

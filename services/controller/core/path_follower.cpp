@@ -39,9 +39,9 @@ double BrakingSpeed(double left, double deceleration) {
 }  // namespace
 
 MotionCommand MotionCommand::Leveled() const {
-  const RigidTransform level = thalweg::Leveled(T_WB);
-  const Eigen::Matrix3d R_LB = level.linear().transpose() * T_WB.linear();
-  return {.T_WB = level, .v_WB_B = R_LB * v_WB_B, .w_WB_B = R_LB * w_WB_B};
+  const RigidTransform level = thalweg::Leveled(T_WB_of_velocities);
+  const Eigen::Matrix3d R_LB = level.linear().transpose() * T_WB_of_velocities.linear();
+  return {.T_WB = T_WB, .v_WB_B = R_LB * v_WB_B, .w_WB_B = R_LB * w_WB_B, .T_WB_of_velocities = level};
 }
 
 PathFollower::Options PathFollower::OptionsFor(const RobotModel& robot) {
@@ -292,7 +292,8 @@ void PathFollower::GoBack(double dt) {
   orientation_.Place(Eigen::Quaterniond(back->linear()));
   back_ = MotionCommand{.T_WB = *back,
                         .v_WB_B = back->linear().transpose() * (p_W_ - T_WB.translation()) / dt,
-                        .w_WB_B = LogOf(Eigen::Quaterniond(T_WB.linear().transpose() * back->linear())) / dt};
+                        .w_WB_B = LogOf(Eigen::Quaterniond(T_WB.linear().transpose() * back->linear())) / dt,
+                        .T_WB_of_velocities = *back};
   reason_ = StopReason::kRetreating;
 }
 
@@ -380,9 +381,9 @@ bool PathFollower::Standing() const {
 }
 
 bool PathFollower::LeftPath() const {
-  const double lag =
-      (p_W_ - CommandedPosition()).norm();  // on what came before the track, if it has just begun
-  return RobotOnTrack().distance > options_.path_tolerance + lag;
+  // A robot that lags behind is still on what came before the track, if that has just begun.
+  const double before = std::max(0.0, (p_W_ - CommandedPosition()).norm() - s_);
+  return RobotOnTrack().distance > options_.path_tolerance + before;
 }
 
 /// Whether the command is as far ahead of the robot as allowed.
@@ -449,7 +450,8 @@ MotionCommand PathFollower::MakeCommand() const {
   if (back_) return *back_;
   const Eigen::Quaterniond q_BW = Eigen::Quaterniond(pose_->T_WB.linear()).conjugate();
   const Eigen::Vector3d p_W = CommandedPosition();
-  MotionCommand command{.T_WB = MakeTransform(orientation_.q_WB().toRotationMatrix(), p_W)};
+  MotionCommand command{.T_WB = MakeTransform(orientation_.q_WB().toRotationMatrix(), p_W),
+                        .T_WB_of_velocities = pose_->T_WB};
   if (options_.faces_travel) {
     Steer(q_BW * (p_W - pose_->T_WB.translation()), LogOf(q_BW * orientation_.q_WB()).z(), command);
     return command;
@@ -461,8 +463,20 @@ MotionCommand PathFollower::MakeCommand() const {
     w_B += options_.feedback * LogOf(q_BW * orientation_.q_WB());
   }
   command.v_WB_B = ClampNorm(q_BW * v_W, options_.max_speed);
-  command.w_WB_B = ClampNorm(w_B, options_.greatest_turn_rate());
+  command.w_WB_B = Limited(w_B);
   return command;
+}
+
+/// A turn within the limits of the body, or of the robot and its gimbal. @param w_B  [rad/s] In the body's
+/// frame.
+Eigen::Vector3d PathFollower::Limited(const Eigen::Vector3d& w_B) const {
+  if (!options_.gimballed.gimballed()) return ClampNorm(w_B, options_.max_turn_rate);
+  const Eigen::Matrix3d R_LB = Leveled(pose_->T_WB).linear().transpose() * pose_->T_WB.linear();
+  const Eigen::Vector3d w_L = R_LB * w_B;
+  const double turn = options_.max_turn_rate;
+  const double pitch = options_.gimballed.max_gimbal_rate;
+  return R_LB.transpose() *
+         Eigen::Vector3d(0.0, std::clamp(w_L.y(), -pitch, pitch), std::clamp(w_L.z(), -turn, turn));
 }
 
 void PathFollower::Steer(const Eigen::Vector3d& behind_B, double turned_away, MotionCommand& command) const {

@@ -22,8 +22,11 @@ struct MotionCommand {
   Eigen::Vector3d v_WB_B = Eigen::Vector3d::Zero();  ///< [m/s]
   Eigen::Vector3d w_WB_B = Eigen::Vector3d::Zero();  ///< [rad/s]
 
-  /// The same in the level frame that has the body's heading, for a base that carries a gimbal: its turn is
-  /// about z, the gimbal's about y, positive downward.
+  /// The pose of the body in whose frame the velocities are: where the robot is, not where it is to be.
+  RigidTransform T_WB_of_velocities = RigidTransform::Identity();
+
+  /// The same velocities in the level frame with that body's heading, for a base that carries a gimbal: its
+  /// turn is about z, the gimbal's about y, positive downward.
   MotionCommand Leveled() const;
 };
 
@@ -203,6 +206,7 @@ class PathFollower {
   void Judge(Time now);
   Motion Report() const;
   MotionCommand MakeCommand() const;
+  Eigen::Vector3d Limited(const Eigen::Vector3d& w_B) const;
   void Steer(const Eigen::Vector3d& behind_B, double turned_away, MotionCommand& command) const;
 
   double Lead() const;       ///< [m] Distance from the robot to the command.

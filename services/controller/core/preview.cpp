@@ -35,7 +35,7 @@ std::vector<TrajectoryPoint> PathFollower::Preview(double step, double horizon) 
   if (!Lost(*last_step_)) ahead.lost_.reset();
   std::vector<TrajectoryPoint> moments{ahead.Moment(0.0)};
   const double longest_brake = std::max(options_.max_speed / options_.max_acceleration,
-                                        options_.max_turn_rate / options_.max_turn_acceleration) +
+                                        options_.greatest_turn_rate() / options_.max_turn_acceleration) +
                                options_.smoothing;
   bool ends = false;
   bool stands = false;

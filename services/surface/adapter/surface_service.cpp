@@ -231,6 +231,7 @@ SurfaceService::Outcome SurfaceService::Do(const Task& task) {
     outcome.full_copy = lap();
   }
   // Until it is known that they are of the same place, clouds are not stored.
+  outcome.store_withheld = task.store && resumed_;
   if (task.store && !resumed_) to_store_ = live_.TakeChanged();
   if (task.save_mesh) {
     live_.UpdateMesh();
@@ -267,6 +268,11 @@ void SurfaceService::Finish(const Outcome& outcome) {
   }
   if (outcome.full && !std::exchange(was_full_, true)) {
     spdlog::warn("the surface takes surface.most_memory_mb: nothing new is added to it");
+  }
+  store_withheld_ = store_withheld_ || outcome.store_withheld;
+  if (store_withheld_ && !resumed_) {
+    store_due_ = true;
+    store_withheld_ = false;
   }
   if (to_store_) Store();
   if (to_save_) SaveMesh();
@@ -405,16 +411,19 @@ void SurfaceService::Save() {
   Do({.clouds = std::exchange(to_fuse_, {}), .publish = true});
   PublishStatus();
   SeparateWrites writes;
-  // The mesh first: of the checkpoint there is an earlier one.
-  writes.Try([&] { WriteFile(options_.out / kMeshFile, PlyOf(live_.mesh().Joined())); });
-  // One that seems to be of another place stays as it is.
-  const bool is_other = resumed_ && place_judge_.sum().IsOfAnotherPlace();
-  if (options_.checkpoint_period > Duration::zero() && !is_other) {
-    writes.Try([&] {
-      if (to_store_) file_.Put(*to_store_);  // by a task that has outlived the spinning of the bus
-      file_.Put(live_.TakeChanged());
-      WriteFile(options_.out / kCheckpointFile, file_.Bytes());
-    });
+  if (resumed_ && place_judge_.sum().IsOfAnotherPlace()) {
+    spdlog::warn("{}; left as it is, and so is {}",
+                 AnotherPlaceText(place_judge_.sum(), (options_.out / kCheckpointFile).string()), kMeshFile);
+  } else {
+    // The mesh first: of the checkpoint there is an earlier one.
+    writes.Try([&] { WriteFile(options_.out / kMeshFile, PlyOf(live_.mesh().Joined())); });
+    if (options_.checkpoint_period > Duration::zero()) {
+      writes.Try([&] {
+        if (to_store_) file_.Put(*to_store_);  // by a task that has outlived the spinning of the bus
+        file_.Put(live_.TakeChanged());
+        WriteFile(options_.out / kCheckpointFile, file_.Bytes());
+      });
+    }
   }
   const SurfaceArea& area = live_.mesh().area();
   spdlog::info(

@@ -74,6 +74,7 @@ class SurfaceService {
     std::optional<double> rifts = {};       ///< and the rifts [ms],
     std::optional<double> full_copy = {};   ///< and a full copy [ms].
     bool full = false;                      ///< Whether the surface takes all memory that it may.
+    bool store_withheld = false;            ///< Whether clouds were not stored that may be of another place.
     std::optional<std::string> error = {};  ///< Why the service cannot go on.
   };
 
@@ -131,6 +132,7 @@ class SurfaceService {
   std::shared_ptr<const SurfaceMesh> to_save_;
   std::optional<RememberedPlace> resumed_;  ///< What the checkpoint knew, while clouds are compared with it.
   PlaceJudge place_judge_;
+  bool store_withheld_ = false;  ///< A checkpoint is due once that is known.
 
   VolumeFile file_;  ///< Used by disk_ while that is busy.
   dds::Bus::Publisher<dds::topics::SurfaceUpdates> updates_out_;

@@ -1,7 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
-#include <optional>
+#include <vector>
 
 #include "common/geometry/rigid_transform.h"
 #include "common/voxel/map_agreement.h"
@@ -15,32 +16,33 @@ class PlaceJudge {
  public:
   enum class Verdict { kUndecided, kSame, kOther };
 
-  /// Takes note of how a cloud agrees. One that tells nothing, or from nearly the same view as the last that
+  /// Takes note of how a cloud agrees. One that tells nothing, or from nearly the same view as one that
   /// counted, only brings the decision nearer.
   Verdict Judge(const MapAgreement& agreement, const RigidTransform& T_WC) {
-    const bool other_view = !last_ || (T_WC.translation() - last_->translation()).norm() > kMoved ||
-                            AngleBetween(T_WC, *last_) > kTurned;
-    if (agreement.IsTelling() && other_view) {
+    if (agreement.IsTelling() && std::ranges::none_of(views_, [&](const RigidTransform& view) {
+          return (T_WC.translation() - view.translation()).norm() <= kMoved &&
+                 AngleBetween(T_WC, view) <= kTurned;
+        })) {
       sum_.agreeing += agreement.agreeing;
       sum_.contradicting += agreement.contradicting;
-      last_ = T_WC;
-      ++views_;
+      views_.push_back(T_WC);
     }
-    if (++clouds_ < kMostClouds && views_ < kViews) return Verdict::kUndecided;
-    return sum_.IsOfAnotherPlace() ? Verdict::kOther : Verdict::kSame;
+    if (++clouds_ < kMostClouds && views_.size() < kViews) return Verdict::kUndecided;
+    if (!sum_.IsOfAnotherPlace()) return Verdict::kSame;
+    return views_.size() < kLeastViews ? Verdict::kUndecided : Verdict::kOther;
   }
   /// The rays of all views that counted.
   const MapAgreement& sum() const { return sum_; }
 
  private:
   static constexpr std::size_t kViews = 5;
+  static constexpr std::size_t kLeastViews = 3;  ///< To refuse the place by.
   static constexpr std::size_t kMostClouds = 50;
   static constexpr double kMoved = 0.2;   // [m]
   static constexpr double kTurned = 0.3;  // [rad]
 
   MapAgreement sum_;
-  std::optional<RigidTransform> last_;
-  std::size_t views_ = 0;
+  std::vector<RigidTransform> views_;  ///< T_WC of those that counted.
   std::size_t clouds_ = 0;
 };
 

@@ -163,5 +163,15 @@ TEST(PathFollowerSmoothed, JoinsAnotherPathWithoutAJump) {
   }
 }
 
+TEST(PathFollowerSmoothed, ARobotThatIsPushedAsideAtFullSpeedIsOffItsPath) {
+  Ride ride(At(0, 0), FastAndSmooth());
+  ride.Follow({At(0, 0), At(30, 0)});
+  ride.Until([](const Motion& motion) { return motion.speed > 1.999; });
+  ride.robot().translation().y() += 0.35;
+  ride.stuck = true;
+  const Motion motion = ride.Tick();
+  EXPECT_EQ(motion.reason, StopReason::kOffPath);
+}
+
 }  // namespace
 }  // namespace thalweg::controller

@@ -329,14 +329,35 @@ TEST(PathFollower, OfAGimbalGoesBackWhenItIsCutOff) {
   ride.Until([](const Motion& motion) { return motion.reason == StopReason::kWentBack; });
 }
 
+TEST(PathFollower, TheBaseOfAGimbalMovesLevelAndEachAxisKeepsItsRateWhileTheGimbalLagsBehind) {
+  RobotModel robot{.attitude = Attitude::kGimbal};
+  robot.max_turn_rate = 0.4;
+  Ride ride(At(0, 0), PathFollower::OptionsFor(robot));
+  ride.Follow({At(0, 0), MakeTransform(RotationFromYawPitch(2.5, -1.4), {3.0, 0.0, 0.0})});
+  bool moved = false;
+  for (int n = 0; n < 150; ++n) {
+    ride.robot().linear() = RotationFromYawPitch(0.0, -0.5);  // it does not turn at all
+    const Motion motion = ride.Tick();
+    if (!motion.command) continue;
+    const MotionCommand level = motion.command->Leveled();
+    EXPECT_NEAR(level.v_WB_B.z(), 0.0, 1e-9) << "neither rises nor sinks";
+    EXPECT_NEAR(level.w_WB_B.x(), 0.0, 1e-9) << "nor rolls";
+    EXPECT_LE(std::abs(level.w_WB_B.z()), robot.max_turn_rate + 1e-9);
+    EXPECT_LE(std::abs(level.w_WB_B.y()), robot.max_gimbal_rate + 1e-9);
+    moved = moved || level.v_WB_B.x() > 0.3;
+  }
+  EXPECT_TRUE(moved);
+}
+
 TEST(MotionCommand, IsLeveledForABaseThatCarriesAGimbal) {
   // It moves ahead at 0.4 m/s, turns left at 0.3 rad/s and pitches down at 0.2 rad/s, looking steeply down.
   const Eigen::Matrix3d R_WB = RotationFromYawPitch(0.8, -1.3);
   const Eigen::Vector3d ahead_W(std::cos(0.8), std::sin(0.8), 0.0);
   const MotionCommand command{
-      .T_WB = MakeTransform(R_WB, {1, 2, 3}),
+      .T_WB = MakeTransform(RotationFromYawPitch(1.1, 0.2), {1, 2, 3}),
       .v_WB_B = R_WB.transpose() * (0.4 * ahead_W),
-      .w_WB_B = R_WB.transpose() * Eigen::Vector3d(0, 0, 0.3) + Eigen::Vector3d(0, 0.2, 0)};
+      .w_WB_B = R_WB.transpose() * Eigen::Vector3d(0, 0, 0.3) + Eigen::Vector3d(0, 0.2, 0),
+      .T_WB_of_velocities = MakeTransform(R_WB, {1, 2, 3})};
   const MotionCommand level = command.Leveled();
   EXPECT_LT((level.v_WB_B - Eigen::Vector3d(0.4, 0, 0)).norm(), 1e-12);
   EXPECT_LT((level.w_WB_B - Eigen::Vector3d(0, 0.2, 0.3)).norm(), 1e-12);

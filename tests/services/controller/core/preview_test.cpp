@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <vector>
 
@@ -135,6 +136,29 @@ TEST(Preview, AReportOfBeingLostThatHasExpiredCountsNoMore) {
   for (int n = 0; n < 40; ++n) ride.Tick();
   const double x = ride.robot().translation().x();
   EXPECT_GT(ride.follower().Preview(0.1, 5.0).back().T_WB.translation().x(), x + 1.0);
+}
+
+TEST(Preview, EndsBeforeWhatHasNotBeenCheckedAndBeforeWhatIsSolid) {
+  PathFollower::Options options;
+  options.max_speed = 5.0;
+  options.max_acceleration = 10.0;
+  options.silence = 1.0;
+  options.checked_body = PathCheck::Body{.radius = 0.6};
+  for (const double wall : {1e6, 6.0}) {
+    OccupancyGrid map(0.05);
+    for (int y = -20; y < 20 && wall < 1e3; ++y) {
+      for (int z = -20; z < 20; ++z) map.Set({static_cast<int>(wall / 0.05), y, z}, 2.0F);
+    }
+    Ride ride(At(0, 0), options);
+    ride.follower().SetMap(map, ride.time());
+    ride.Follow({At(0, 0), At(60, 0)});
+    ride.Tick();
+    ride.Tick();
+    const std::vector<TrajectoryPoint> points = ride.follower().Preview(0.1, 30.0);
+    ASSERT_FALSE(points.empty());
+    EXPECT_LT(points.back().T_WB.translation().x(), std::min(wall - 0.6, 59.0));
+    EXPECT_EQ(points.back().v_W, Eigen::Vector3d::Zero());
+  }
 }
 
 TEST(Preview, OfALostRobotIsItsRetreat) {

@@ -37,10 +37,25 @@ TEST(PlaceJudge, CountsAViewOnceHoweverLongTheRobotStands) {
   EXPECT_EQ(judge.sum().contradicting, 490U);
 }
 
-TEST(PlaceJudge, DecidesByWhatThereIsInTheEnd) {
+TEST(PlaceJudge, CountsAViewOnceHoweverOftenTheRobotTurnsToIt) {
+  PlaceJudge judge;
+  for (int n = 0; n < 40; ++n)
+    EXPECT_EQ(judge.Judge(n % 2 == 0 ? kMisleading : kSame, At(0.0, n % 2)), Verdict::kUndecided);
+  EXPECT_EQ(judge.sum().contradicting, 490U + 20U);
+}
+
+TEST(PlaceJudge, RefusesByThreeViewsAtLeastHoweverLongItTakes) {
+  PlaceJudge judge;
+  for (int n = 0; n < 200; ++n) EXPECT_EQ(judge.Judge(kMisleading, At(0.0)), Verdict::kUndecided);
+  for (int n = 0; n < 200; ++n) EXPECT_EQ(judge.Judge(kNothing, At(1.0 + n)), Verdict::kUndecided);
+  EXPECT_EQ(judge.Judge(kOther, At(0.3)), Verdict::kUndecided);
+  EXPECT_EQ(judge.Judge(kOther, At(0.6)), Verdict::kOther);
+}
+
+TEST(PlaceJudge, TakesThePlaceForTheSameWhereNothingSpeaksAgainstItForLong) {
   PlaceJudge stands;
-  for (int n = 0; n < 49; ++n) EXPECT_EQ(stands.Judge(kOther, At(0.0)), Verdict::kUndecided);
-  EXPECT_EQ(stands.Judge(kOther, At(0.0)), Verdict::kOther);
+  for (int n = 0; n < 49; ++n) EXPECT_EQ(stands.Judge(kSame, At(0.0)), Verdict::kUndecided);
+  EXPECT_EQ(stands.Judge(kSame, At(0.0)), Verdict::kSame);
   PlaceJudge sees_nothing;
   for (int n = 0; n < 49; ++n) EXPECT_EQ(sees_nothing.Judge(kNothing, At(n)), Verdict::kUndecided);
   EXPECT_EQ(sees_nothing.Judge(kNothing, At(49)), Verdict::kSame);
