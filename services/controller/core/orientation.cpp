@@ -3,16 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/geometry/attitude.h"
+#include "services/controller/core/clamp_norm.h"
 
 namespace thalweg::controller {
 namespace {
-
-template <class Vector>
-Vector Clamped(const Vector& v, double longest) {
-  const double norm = v.norm();
-  return norm > longest ? Vector(v * (longest / norm)) : v;
-}
 
 Eigen::Quaterniond RotationBy(const Eigen::Vector3d& rotation) {
   const double angle = rotation.norm();
@@ -44,7 +38,7 @@ void Orientation::TurnTo(const Eigen::Quaterniond& wanted, double most, double d
     const double rate = RateFor(angle, std::min(most, limits_.rate), dt);
     Eigen::Vector3d wanted_B = Eigen::Vector3d::Zero();
     if (angle > 0.0) wanted_B = error_B * (rate / angle);
-    Turn(rate_B_ + Clamped(Eigen::Vector3d(wanted_B - rate_B_), change), dt);
+    Turn(rate_B_ + ClampNorm(wanted_B - rate_B_, change), dt);
     return;
   }
   const YawPitch to = YawPitchOf(wanted.toRotationMatrix());
@@ -60,7 +54,7 @@ void Orientation::TurnTo(const Eigen::Quaterniond& wanted, double most, double d
 
 void Orientation::Brake(double harder, double dt) {
   const double change = harder * limits_.acceleration * dt;
-  if (!has_gimbal()) return Turn(rate_B_ - Clamped(rate_B_, change), dt);
+  if (!has_gimbal()) return Turn(rate_B_ - ClampNorm(rate_B_, change), dt);
   TurnGimbal(rates_ - rates_.cwiseMin(change).cwiseMax(-change), dt);
 }
 

@@ -8,6 +8,7 @@
 #include "common/base/require.h"
 #include "common/geometry/attitude.h"
 #include "common/geometry/polyline.h"
+#include "services/controller/core/clamp_norm.h"
 
 namespace thalweg::controller {
 namespace {
@@ -19,11 +20,6 @@ constexpr double kNothing = 1e-6;     // [m/s, rad, rad/s] Less than this counts
 constexpr double kAligned = 0.02;                    // [rad]
 constexpr double kAstray = 1.5 * kSharpestInCurves;  // [rad]
 constexpr double kSlowestSteering = 0.1;             // [m/s] Below, it steers less, since it gets nowhere.
-
-Eigen::Vector3d ClampNorm(const Eigen::Vector3d& v, double longest) {
-  const double norm = v.norm();
-  return norm > longest ? Eigen::Vector3d(v * (longest / norm)) : v;
-}
 
 /// Rotation vector [rad] of the shortest arc.
 Eigen::Vector3d LogOf(const Eigen::Quaterniond& q) {

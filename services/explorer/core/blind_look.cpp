@@ -6,7 +6,6 @@
 #include <vector>
 
 namespace thalweg::explorer {
-
 namespace {
 
 /// [rad] At which it looks around, one after the other.
