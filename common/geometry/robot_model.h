@@ -33,7 +33,7 @@ struct RobotModel {
   bool drives = false;
   Drive drive = Drive::kOmni;          ///< Matters only if it drives.
   double max_speed = 0.5;              ///< [m/s]
-  double max_acceleration = 1.0;       ///< [m/s^2] Along its path, and across it.
+  double max_acceleration = 1.0;       ///< [m/s^2] Along its path and across it, together.
   double max_jerk = 0.0;               ///< [m/s^3] Greatest change of the acceleration; 0 = any.
   double max_turn_rate = 1.6;          ///< [rad/s] About any axis that it can turn about.
   double max_turn_acceleration = 4.0;  ///< [rad/s^2]
@@ -57,9 +57,9 @@ struct RobotModel {
   double greatest_turn_rate() const {
     return gimballed() ? std::hypot(max_turn_rate, max_gimbal_rate) : max_turn_rate;
   }
-  /// [s] Over which a motion within max_acceleration must be averaged to have no more than max_jerk: each of
-  /// the accelerations along and across may change from one limit to the other at once.
-  double smoothing() const { return max_jerk > 0.0 ? std::sqrt(8.0) * max_acceleration / max_jerk : 0.0; }
+  /// [s] Over which a motion within max_acceleration must be averaged to have no more than max_jerk: the
+  /// acceleration may turn about at once.
+  double smoothing() const { return max_jerk > 0.0 ? 2.0 * max_acceleration / max_jerk : 0.0; }
   /// Whether it moves only where it faces.
   bool faces_travel() const { return drives && drive == Drive::kDifferential; }
 };

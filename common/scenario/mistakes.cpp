@@ -258,7 +258,7 @@ void CheckGimbal(const Scenario& scenario, std::vector<Mistake>& mistakes) {
   }
 }
 
-/// Checks that a smoothed motion stays on its path, which it leaves in curves by a^3 / (3 j^2) at most.
+/// Checks that a smoothed motion stays on its path, which it leaves in curves by a^3 / (6 j^2) at most.
 void CheckJerk(const Scenario& scenario, std::vector<Mistake>& mistakes) {
   constexpr double kMostCut = 0.01;  // [m]
   const RobotModel robot = RobotFrom(scenario);
@@ -272,7 +272,7 @@ void CheckJerk(const Scenario& scenario, std::vector<Mistake>& mistakes) {
     return;
   }
   const double a = robot.max_acceleration;
-  const double least = std::sqrt(a * a * a / (3.0 * kMostCut));
+  const double least = std::sqrt(a * a * a / (6.0 * kMostCut));
   if (robot.max_jerk >= least) return;
   const FieldPath acceleration = PathOf("robot", "max_acceleration_mps2");
   mistakes.push_back({PathOf("robot", "max_jerk_mps3"),

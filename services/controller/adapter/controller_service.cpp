@@ -148,7 +148,7 @@ void ControllerService::OnTick() {
   if (motion.command) {
     pose_out_.Write(dds::PoseStampedToIdl(now, motion.command->T_WB));
     const auto twist = dds::TwistToIdl(motion.command->v_WB_B, motion.command->w_WB_B);
-    const bool gimballed = follower_.options().gimballed.gimballed();
+    const bool gimballed = follower_.options().robot.gimballed();
     const MotionCommand level = motion.command->Leveled();
     velocity_out_.Write(gimballed ? dds::TwistToIdl(level.v_WB_B, level.w_WB_B) : twist);
     stamped_velocity_out_.Write(dds::TwistStampedToIdl(now, twist));

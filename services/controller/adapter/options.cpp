@@ -27,7 +27,7 @@ void Visit(OptionVisitor& visitor, ControllerOptions& options) {
 ControllerOptions OptionsFrom(const Scenario& scenario) {
   ControllerOptions options;
   const RobotModel robot = RobotFrom(scenario);
-  options.follower = PathFollower::OptionsFor(robot);
+  options.follower.robot = robot;
   options.pose_gate.max_speed = robot.max_speed;
   options.pose_gate.max_turn_rate = robot.greatest_turn_rate();
   ReadOptions(scenario.controller(), options);
@@ -51,11 +51,11 @@ std::vector<Mistake> MistakesIn(const Scenario& scenario) {
                         .other = silence});
   }
   // A robot with limited jerk takes longer to stop. Paths are repeated ten times a second, and come late.
-  const double braking = std::max(options.max_speed / options.max_acceleration,
-                                  options.greatest_turn_rate() / options.max_turn_acceleration);
-  const double stop = braking / options.emergency_factor + options.smoothing + 2.0 / controller.rate +
+  const double braking = std::max(options.robot.max_speed / options.robot.max_acceleration,
+                                  options.robot.greatest_turn_rate() / options.robot.max_turn_acceleration);
+  const double stop = braking / options.emergency_factor + options.robot.smoothing() + 2.0 / controller.rate +
                       std::max(0.1, options.delay);
-  if (options.smoothing > 0.0 && options.silence < stop) {
+  if (options.robot.smoothing() > 0.0 && options.silence < stop) {
     const FieldPath jerk = PathOf("robot", "max_jerk_mps3");
     mistakes.push_back({.field = PathOf("controller", "silence_s"),
                         .text = "is " + NumberText(options.silence) + ", must be at least " +

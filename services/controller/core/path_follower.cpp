@@ -40,39 +40,29 @@ MotionCommand MotionCommand::Leveled() const {
   return {.T_WB = T_WB, .v_WB_B = R_LB * v_WB_B, .w_WB_B = R_LB * w_WB_B, .T_WB_of_velocities = level};
 }
 
-PathFollower::Options PathFollower::OptionsFor(const RobotModel& robot) {
-  Options options;
-  options.max_speed = robot.max_speed;
-  options.max_acceleration = robot.max_acceleration;
-  options.smoothing = robot.smoothing();
-  options.max_turn_rate = robot.max_turn_rate;
-  options.max_turn_acceleration = robot.max_turn_acceleration;
-  if (robot.gimballed()) options.gimballed = robot;
-  options.faces_travel = robot.faces_travel();
-  return options;
-}
-
 PathFollower::PathFollower(const Options& options)
     : options_(options),
-      max_lead_(options.max_speed * (0.5 * options.max_speed / options.max_acceleration + options.delay +
-                                     0.5 * options.smoothing)),
-      max_angle_lead_(options.greatest_turn_rate() *
-                      (0.5 * options.greatest_turn_rate() / options.max_turn_acceleration + options.delay)),
+      max_lead_(options.robot.max_speed * (0.5 * options.robot.max_speed / options.robot.max_acceleration +
+                                           options.delay + 0.5 * options.robot.smoothing())),
+      max_angle_lead_(
+          options.robot.greatest_turn_rate() *
+          (0.5 * options.robot.greatest_turn_rate() / options.robot.max_turn_acceleration + options.delay)),
       cut_off_(options.cut_off),
-      orientation_({.rate = options.max_turn_rate,
-                    .acceleration = options.max_turn_acceleration,
-                    .gimbal_rate = options.gimballed.gimballed() ? options.gimballed.max_gimbal_rate : 0.0}),
+      orientation_({.rate = options.robot.max_turn_rate,
+                    .acceleration = options.robot.max_turn_acceleration,
+                    .gimbal_rate = options.robot.gimballed() ? options.robot.max_gimbal_rate : 0.0}),
       retreat_(options.retreat) {
   if (options.checked_body) check_.emplace(*options.checked_body);
-  if (options.smoothing > 0.0) smoother_.emplace(options.smoothing);
+  if (options.robot.smoothing() > 0.0) smoother_.emplace(options.robot.smoothing());
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
-  Require(positive(options.max_speed), "max_speed", options.max_speed, "> 0");
-  Require(positive(options.max_acceleration), "max_acceleration", options.max_acceleration, "> 0");
-  Require(std::isfinite(options.smoothing) && options.smoothing >= 0.0, "smoothing", options.smoothing,
-          ">= 0");
-  Require(positive(options.max_turn_rate), "max_turn_rate", options.max_turn_rate, "> 0");
-  Require(positive(options.max_turn_acceleration), "max_turn_acceleration", options.max_turn_acceleration,
+  Require(positive(options.robot.max_speed), "max_speed", options.robot.max_speed, "> 0");
+  Require(positive(options.robot.max_acceleration), "max_acceleration", options.robot.max_acceleration,
           "> 0");
+  Require(std::isfinite(options.robot.max_jerk) && options.robot.max_jerk >= 0.0, "max_jerk",
+          options.robot.max_jerk, ">= 0");
+  Require(positive(options.robot.max_turn_rate), "max_turn_rate", options.robot.max_turn_rate, "> 0");
+  Require(positive(options.robot.max_turn_acceleration), "max_turn_acceleration",
+          options.robot.max_turn_acceleration, "> 0");
   Require(options.emergency_factor >= 1.0, "emergency_factor", options.emergency_factor, ">= 1");
   Require(positive(options.corner_step), "corner_step", options.corner_step, "> 0");
   Require(positive(options.silence), "silence", options.silence, "> 0");
@@ -169,10 +159,10 @@ double PathFollower::StepLength(Time now) {
 
 /// Whether to start braking, so that the command stands still when the last message is `silence` old.
 bool PathFollower::Silent(Time heard, Time now) const {
-  const double braking =
-      std::max(speed_ / (options_.max_acceleration * options_.emergency_factor),
-               orientation_.rate_B().norm() / (options_.max_turn_acceleration * options_.emergency_factor));
-  return Seconds(now - heard) + braking + options_.smoothing + 2.0 * dt_ >= options_.silence;
+  const double braking = std::max(
+      speed_ / (options_.robot.max_acceleration * options_.emergency_factor),
+      orientation_.rate_B().norm() / (options_.robot.max_turn_acceleration * options_.emergency_factor));
+  return Seconds(now - heard) + braking + options_.robot.smoothing() + 2.0 * dt_ >= options_.silence;
 }
 
 void PathFollower::BeginPathBack(Time now) {
@@ -221,7 +211,7 @@ void PathFollower::Advance(StopReason emergency, double dt) {
   if (joined_) {
     Drive(dt);
   } else {  // still on the previous path, too fast to switch
-    Travel(std::max(0.0, speed_ - options_.max_acceleration * dt), dt);
+    Travel(std::max(0.0, speed_ - options_.robot.max_acceleration * dt), dt);
   }
   Turn(dt);
 }
@@ -232,13 +222,14 @@ StopReason PathFollower::TryJoin() {
   if (!has_command_ || (Standing() && robot_elsewhere)) StandAtRobot();
   auto joined = JoinPath(p_W_, path().T_WBs, options_.path_tolerance);
   if (!joined) return speed_ > 0.0 ? StopReason::kNone : StopReason::kOffPath;
-  if (options_.gimballed.gimballed()) {
-    for (RigidTransform& T_WB : *joined) T_WB = Held(options_.gimballed, T_WB);
+  if (options_.robot.gimballed()) {
+    for (RigidTransform& T_WB : *joined) T_WB = Held(options_.robot, T_WB);
   }
-  Track track(*joined, {.max_speed = options_.max_speed,
-                        .max_acceleration = options_.max_acceleration,
-                        .corner_step = options_.corner_step,
-                        .facing_turn_rate = options_.faces_travel ? options_.max_turn_rate : 0.0});
+  Track track(*joined,
+              {.max_speed = options_.robot.max_speed,
+               .max_acceleration = options_.robot.max_acceleration,
+               .corner_step = options_.corner_step,
+               .facing_turn_rate = options_.robot.faces_travel() ? options_.robot.max_turn_rate : 0.0});
   if (speed_ > 0.0) {
     const Eigen::Vector3d bend = track.DirectionAt(0.0) - track_->DirectionAt(s_);
     if (speed_ > track.SpeedLimitAt(0.0) + kNothing || speed_ * bend.norm() > options_.corner_step)
@@ -266,14 +257,15 @@ StopReason PathFollower::Obstacle() const {
 
 /// Highest speed from which the robot can stop before what has not been checked.
 double PathFollower::CheckedSpeed() const {
-  if (!check_ || check_->clear_to() >= track_->length()) return options_.max_speed;
-  return BrakingSpeed(check_->clear_to() - s_ - options_.max_speed * dt_, options_.max_acceleration);
+  if (!check_ || check_->clear_to() >= track_->length()) return options_.robot.max_speed;
+  return BrakingSpeed(check_->clear_to() - s_ - options_.robot.max_speed * dt_,
+                      options_.robot.max_acceleration);
 }
 
 void PathFollower::BrakeHard(double dt) {
   if (!has_command_) return;
   const double f = options_.emergency_factor;
-  Travel(std::max(0.0, speed_ - f * options_.max_acceleration * dt), dt);
+  Travel(std::max(0.0, speed_ - f * options_.robot.max_acceleration * dt), dt);
   if (dt > 0.0) orientation_.Brake(f, dt);
 }
 
@@ -294,7 +286,7 @@ void PathFollower::GoBack(double dt) {
 }
 
 void PathFollower::Drive(double dt) {
-  const double a = options_.max_acceleration;
+  const double a = options_.robot.max_acceleration;
   const double by_lead = BrakingSpeed(Room(), a);
   const double next =
       MustTurnFirst() ? 0.0 : std::min({track_->NextSpeed(s_, speed_, dt), by_lead, CheckedSpeed()});
@@ -320,20 +312,20 @@ double PathFollower::Room() const {
 }
 
 Eigen::Quaterniond PathFollower::WantedOrientation() const {
-  if (!options_.faces_travel || s_ >= track_->length()) return track_->OrientationAhead(s_);
+  if (!options_.robot.faces_travel() || s_ >= track_->length()) return track_->OrientationAhead(s_);
   const Eigen::Vector3d ahead_W = track_->FacingAt(s_);
   return Eigen::Quaterniond(RotationFromYawPitch(std::atan2(ahead_W.y(), ahead_W.x()), 0.0));
 }
 
 bool PathFollower::MustTurnFirst() const {
-  if (!options_.faces_travel || s_ >= track_->length()) return false;
+  if (!options_.robot.faces_travel() || s_ >= track_->length()) return false;
   return orientation_.q_WB().angularDistance(WantedOrientation()) > (speed_ == 0.0 ? kAligned : kAstray);
 }
 
 void PathFollower::Turn(double dt) {
   if (!track_ || dt <= 0.0) return;
   orientation_.TurnTo(WantedOrientation(),
-                      BrakingSpeed(max_angle_lead_ - AngleLead(), options_.max_turn_acceleration), dt);
+                      BrakingSpeed(max_angle_lead_ - AngleLead(), options_.robot.max_turn_acceleration), dt);
 }
 
 void PathFollower::Travel(double next_speed, double dt) {
@@ -385,8 +377,8 @@ bool PathFollower::LeftPath() const {
 /// Whether the command is as far ahead of the robot as allowed.
 bool PathFollower::Blocked() const {
   constexpr double kSlow = 0.02;  // [m/s, rad/s]
-  return BrakingSpeed(joined_ ? Room() : max_lead_ - Lead(), options_.max_acceleration) < kSlow ||
-         BrakingSpeed(max_angle_lead_ - AngleLead(), options_.max_turn_acceleration) < kSlow;
+  return BrakingSpeed(joined_ ? Room() : max_lead_ - Lead(), options_.robot.max_acceleration) < kSlow ||
+         BrakingSpeed(max_angle_lead_ - AngleLead(), options_.robot.max_turn_acceleration) < kSlow;
 }
 
 bool PathFollower::CommandAtEnd() const {
@@ -448,7 +440,7 @@ MotionCommand PathFollower::MakeCommand() const {
   const Eigen::Vector3d p_W = CommandedPosition();
   MotionCommand command{.T_WB = MakeTransform(orientation_.q_WB().toRotationMatrix(), p_W),
                         .T_WB_of_velocities = pose_->T_WB};
-  if (options_.faces_travel) {
+  if (options_.robot.faces_travel()) {
     Steer(q_BW * (p_W - pose_->T_WB.translation()), LogOf(q_BW * orientation_.q_WB()).z(), command);
     return command;
   }
@@ -458,7 +450,7 @@ MotionCommand PathFollower::MakeCommand() const {
     v_W += options_.feedback * (p_W - pose_->T_WB.translation());
     w_B += options_.feedback * LogOf(q_BW * orientation_.q_WB());
   }
-  command.v_WB_B = ClampNorm(q_BW * v_W, options_.max_speed);
+  command.v_WB_B = ClampNorm(q_BW * v_W, options_.robot.max_speed);
   command.w_WB_B = Limited(w_B);
   return command;
 }
@@ -466,11 +458,11 @@ MotionCommand PathFollower::MakeCommand() const {
 /// A turn within the limits of the body, or of the robot and its gimbal. @param w_B  [rad/s] In the body's
 /// frame.
 Eigen::Vector3d PathFollower::Limited(const Eigen::Vector3d& w_B) const {
-  if (!options_.gimballed.gimballed()) return ClampNorm(w_B, options_.max_turn_rate);
+  if (!options_.robot.gimballed()) return ClampNorm(w_B, options_.robot.max_turn_rate);
   const Eigen::Matrix3d R_LB = Leveled(pose_->T_WB).linear().transpose() * pose_->T_WB.linear();
   const Eigen::Vector3d w_L = R_LB * w_B;
-  const double turn = options_.max_turn_rate;
-  const double pitch = options_.gimballed.max_gimbal_rate;
+  const double turn = options_.robot.max_turn_rate;
+  const double pitch = options_.robot.max_gimbal_rate;
   return R_LB.transpose() *
          Eigen::Vector3d(0.0, std::clamp(w_L.y(), -pitch, pitch), std::clamp(w_L.z(), -turn, turn));
 }
@@ -484,8 +476,8 @@ void PathFollower::Steer(const Eigen::Vector3d& behind_B, double turned_away, Mo
     forward += gain * behind_B.x();
     turn += 2.0 * gain * turned_away + gain * gain * behind_B.y() * speed_ / (speed * speed);
   }
-  command.v_WB_B.x() = std::clamp(forward, -options_.max_speed, options_.max_speed);
-  command.w_WB_B.z() = std::clamp(turn, -options_.max_turn_rate, options_.max_turn_rate);
+  command.v_WB_B.x() = std::clamp(forward, -options_.robot.max_speed, options_.robot.max_speed);
+  command.w_WB_B.z() = std::clamp(turn, -options_.robot.max_turn_rate, options_.robot.max_turn_rate);
 }
 
 double PathFollower::Lead() const {

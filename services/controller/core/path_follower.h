@@ -99,14 +99,8 @@ struct TrajectoryPoint {
 class PathFollower {
  public:
   struct Options {
-    double max_speed = RobotModel{}.max_speed;                ///< [m/s]
-    double max_acceleration = RobotModel{}.max_acceleration;  ///< [m/s^2]
-    double smoothing = 0.0;  ///< [s] Over which positions are averaged; 0 = not. See RobotModel::smoothing.
-    double max_turn_rate = RobotModel{}.max_turn_rate;                  ///< [rad/s]
-    double max_turn_acceleration = RobotModel{}.max_turn_acceleration;  ///< [rad/s^2]
-    RobotModel gimballed = {};                        ///< The robot, if it has a gimbal; else one without.
-    bool faces_travel = RobotModel{}.faces_travel();  ///< The robot is level and moves only where it faces.
-    double emergency_factor = 2.5;  ///< Emergency braking relative to the accelerations above.
+    RobotModel robot = {};
+    double emergency_factor = 2.5;  ///< Emergency braking relative to the robot's accelerations.
     double corner_step =
         TrackLimits{}.corner_step;  ///< [m/s] Largest change of the velocity vector at a corner.
     double silence = 0.5;           ///< [s] Age of the last path or pose at which the command stands still.
@@ -122,14 +116,8 @@ class PathFollower {
     Retreat::Options retreat;
     CutOff::Options cut_off = {};
     std::optional<PathCheck::Body> checked_body = {};  ///< Body for which paths are checked; empty = not.
-    /// [rad/s] About all axes together.
-    double greatest_turn_rate() const {
-      return gimballed.gimballed() ? gimballed.greatest_turn_rate() : max_turn_rate;
-    }
     double map_silence = 1.0;  ///< [s] Age of the last map update beyond which a robot that is cut off stops.
   };
-  /// The defaults, with the limits of a robot and how it moves.
-  static Options OptionsFor(const RobotModel& robot);
   /// Throws std::invalid_argument naming the invalid option.
   explicit PathFollower(const Options& options);
 

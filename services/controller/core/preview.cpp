@@ -34,9 +34,10 @@ std::vector<TrajectoryPoint> PathFollower::Preview(double step, double horizon) 
   ahead.previews_ = true;
   if (!Lost(*last_step_)) ahead.lost_.reset();
   std::vector<TrajectoryPoint> moments{ahead.Moment(0.0)};
-  const double longest_brake = std::max(options_.max_speed / options_.max_acceleration,
-                                        options_.greatest_turn_rate() / options_.max_turn_acceleration) +
-                               options_.smoothing;
+  const double longest_brake =
+      std::max(options_.robot.max_speed / options_.robot.max_acceleration,
+               options_.robot.greatest_turn_rate() / options_.robot.max_turn_acceleration) +
+      options_.robot.smoothing();
   bool ends = false;
   bool stands = false;
   while (!stands && moments.back().time < horizon + longest_brake + 1.0) {

@@ -19,9 +19,13 @@ double TurningDistanceBetween(double before, double after) {
   return std::min(0.5 * std::min(before, after), kFarthestTurn);
 }
 
+double AngleBetween(const Eigen::Vector3d& before, const Eigen::Vector3d& after) {
+  return std::atan2(before.cross(after).norm(), before.dot(after));
+}
+
 double CornerSpeed(const Eigen::Vector3d& before, const Eigen::Vector3d& after, const TrackLimits& limits) {
   const double h = 0.5 * (before.norm() + after.norm());
-  const double angle = std::atan2(before.cross(after).norm(), before.dot(after));
+  const double angle = AngleBetween(before, after);
   if (angle < 1e-9) return limits.max_speed;
   const double speed = std::min({limits.max_speed, limits.corner_step / (2.0 * std::sin(0.5 * angle)),
                                  std::sqrt(limits.max_acceleration * h / angle)});
@@ -29,6 +33,21 @@ double CornerSpeed(const Eigen::Vector3d& before, const Eigen::Vector3d& after, 
   if (angle > kSharpestInCurves) return 0.0;
   const double turning = 2.0 * TurningDistanceBetween(before.norm(), after.norm());
   return std::min(speed, 0.5 * limits.facing_turn_rate * turning / angle);
+}
+
+/// What is left along a track of the acceleration `a` beside `lateral` across it [m/s^2].
+double Beside(double lateral, double a) {
+  return std::sqrt(std::max(0.0, a * a - lateral * lateral));
+}
+
+/// The square of the highest speed u from which a robot can brake, over the distance `left`, to a speed whose
+/// square is `next`, while its lateral acceleration is at most curvature u:
+///   (u - next)^2 = 4 left^2 (a^2 - curvature^2 u^2)
+/// Where that has no solution, even `next` is more than the curve allows.
+double BrakesFrom(double next, double curvature, double left, double a) {
+  const double k = 2.0 * left * curvature;
+  const double inner = (1.0 + k * k) * 4.0 * left * left * a * a - k * k * next * next;
+  return inner < 0.0 ? a / curvature : (next + std::sqrt(inner)) / (1.0 + k * k);
 }
 
 }  // namespace
@@ -47,11 +66,19 @@ Track::Track(const std::vector<RigidTransform>& T_WBs, const TrackLimits& limits
   }
   allowed_.assign(points_.size(), limits.max_speed);
   allowed_.back() = 0.0;
+  curvature_.assign(points_.size(), 0.0);
   for (std::size_t i = points_.size() - 1; i-- > 0;) {
-    if (i > 0) allowed_[i] = CornerSpeed(points_[i] - points_[i - 1], points_[i + 1] - points_[i], limits);
-    const double by_braking = std::sqrt(allowed_[i + 1] * allowed_[i + 1] +
-                                        2.0 * limits.max_acceleration * (arc_[i + 1] - arc_[i]));
-    allowed_[i] = std::min(allowed_[i], by_braking);
+    const double left = arc_[i + 1] - arc_[i];
+    if (i > 0) {
+      const Eigen::Vector3d before = points_[i] - points_[i - 1];
+      const Eigen::Vector3d after = points_[i + 1] - points_[i];
+      allowed_[i] = CornerSpeed(before, after, limits);
+      curvature_[i] = AngleBetween(before, after) / (0.5 * (before.norm() + after.norm()));
+    }
+    const double next = allowed_[i + 1] * allowed_[i + 1];
+    const double by_next = next + 2.0 * Beside(next * curvature_[i + 1], limits.max_acceleration) * left;
+    const double by_own = BrakesFrom(next, curvature_[i], left, limits.max_acceleration);
+    allowed_[i] = std::min(allowed_[i], std::sqrt(std::min(by_next, by_own)));
   }
   for (std::size_t i = 1; i + 1 < points_.size(); ++i) {
     if (allowed_[i] == 0.0) stops_.push_back(arc_[i]);
@@ -104,29 +131,43 @@ const Eigen::Quaterniond& Track::OrientationAhead(double s) const {
   return orientations_[std::min(SegmentAt(s) + 1, orientations_.size() - 1)];
 }
 
+/// [m/s^2] Of the curve that a vertex belongs to, for a robot that is slower there than it has to be.
+double Track::LateralAt(std::size_t vertex, double speed) const {
+  const double slower = std::min(speed, allowed_[vertex]);
+  return slower * slower * curvature_[vertex];
+}
+
+/// [m/s^2] With which a robot may gain or lose speed in a segment.
+double Track::AlongIn(std::size_t segment, double speed) const {
+  return Beside(std::max(LateralAt(segment, speed), LateralAt(segment + 1, speed)), limits_.max_acceleration);
+}
+
 double Track::SpeedLimitAt(double s) const {
   if (points_.size() < 2) return 0.0;
-  const std::size_t next = SegmentAt(s) + 1;
-  const double left = std::max(0.0, arc_[next] - s);
-  return std::min(limits_.max_speed,
-                  std::sqrt(allowed_[next] * allowed_[next] + 2.0 * limits_.max_acceleration * left));
+  const std::size_t segment = SegmentAt(s);
+  const double next = allowed_[segment + 1];
+  const double left = std::max(0.0, arc_[segment + 1] - s);
+  const double brakes = AlongIn(segment, limits_.max_speed);
+  return std::min(limits_.max_speed, std::sqrt(next * next + 2.0 * brakes * left));
 }
 
 double Track::NextSpeed(double s, double speed, double dt) const {
-  const double a = limits_.max_acceleration;
-  double next = std::min(limits_.max_speed, speed + a * dt);
+  if (points_.size() < 2) return 0.0;
+  const std::size_t segment = SegmentAt(s);
+  double next = std::min(limits_.max_speed, speed + AlongIn(segment, speed) * dt);
   const double reach = s + 0.5 * (speed + next) * dt;
-  for (std::size_t i = SegmentAt(s) + 1; i < points_.size(); ++i) {
+  for (std::size_t i = segment + 1; i < points_.size(); ++i) {
     // The step covers (speed + next) dt / 2. Braking from its end must still reach the speed allowed at
     // vertex i:
     //   next^2 <= allowed^2 + 2 a (left - (speed + next) dt / 2)
+    const double a = AlongIn(i - 1, limits_.max_speed);
     const double c = allowed_[i] * allowed_[i] + 2.0 * a * (arc_[i] - s) - a * speed * dt;
     const double half = 0.5 * a * dt;
     const double by_braking = half * half + c > 0.0 ? std::sqrt(half * half + c) - half : 0.0;
     next = std::min(next, std::max(by_braking, allowed_[i]));
     if (arc_[i] > reach) break;  // this vertex's allowed speed already accounts for later ones
   }
-  return std::max({next, speed - a * dt, 0.0});
+  return std::max({next, speed - limits_.max_acceleration * dt, 0.0});
 }
 
 double Track::NextStop(double s) const {

@@ -12,7 +12,7 @@ namespace thalweg::controller {
 /// Limits on the speed along a track.
 struct TrackLimits {
   double max_speed = RobotModel{}.max_speed;  ///< [m/s]
-  /// [m/s^2] Along the track, and lateral where the track approximates a curve.
+  /// [m/s^2] Of along the track and across it, where it stands for a curve, together.
   double max_acceleration = RobotModel{}.max_acceleration;
   double corner_step = 0.05;  ///< [m/s] Largest change of the velocity vector at a single corner.
   /// [rad/s] For a robot that must face where it moves, the rate at which it turns; 0 = any other robot.
@@ -27,11 +27,13 @@ inline constexpr double kSharpestInCurves = 0.2;
 ///
 /// Because the polyline is followed exactly, a corner of angle t changes the velocity instantly by 2 v sin(t
 /// / 2); hence v <= corner_step / (2 sin(t / 2)). Since fine polylines stand for curves, the mean lateral
-/// acceleration v^2 t / h is limited as well, where h is the mean length of the two segments. The speed
-/// allowed at a vertex is also low enough to brake in time for every later vertex. A robot that must face
-/// where it moves stops at sharp corners. It turns at other corners from a distance b before to b behind
-/// them, at v t / (2 b), which is at most half the rate at which it can turn: the turn itself takes time to
-/// begin.
+/// acceleration v^2 t / h is limited as well, where h is the mean length of the two segments, and on these
+/// segments there is only what it leaves of the acceleration for gaining and losing speed:
+///   a_along^2 + (v^2 t / h)^2 <= a^2
+/// The speed allowed at a vertex is also low enough to brake in time for every later vertex. A robot that
+/// must face where it moves stops at sharp corners. It turns at other corners from a distance b before to b
+/// behind them, at v t / (2 b), which is at most half the rate at which it can turn: the turn itself takes
+/// time to begin.
 class Track {
  public:
   /// @param T_WBs  At least one. Vertices at the same position are merged and take the last one's
@@ -77,13 +79,16 @@ class Track {
   std::size_t SegmentAt(double s) const;  ///< Index of the segment's first vertex.
   Eigen::Vector3d SegmentDirection(std::size_t i) const;
   double TurningDistance(std::size_t vertex) const;
+  double LateralAt(std::size_t vertex, double speed) const;
+  double AlongIn(std::size_t segment, double speed) const;
   bool Cuts(const Eigen::Vector3d& p_W, double s_from, double s_to, double most) const;
 
   TrackLimits limits_;
   std::vector<Eigen::Vector3d> points_;
   std::vector<Eigen::Quaterniond> orientations_;
-  std::vector<double> arc_;      ///< [m] Arc length of each vertex from the start.
-  std::vector<double> allowed_;  ///< [m/s] at each vertex.
+  std::vector<double> arc_;        ///< [m] Arc length of each vertex from the start.
+  std::vector<double> curvature_;  ///< [1/m] at each vertex, if it belongs to a curve.
+  std::vector<double> allowed_;    ///< [m/s] at each vertex.
   std::vector<double> stops_;  ///< [m] Arc lengths at which the robot stops, increasing; the last is the end.
 };
 

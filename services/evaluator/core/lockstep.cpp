@@ -18,7 +18,8 @@ constexpr double kReversalCosine = -0.5;  // a turn by more than 120 degrees
 constexpr double kLostForGood = 30.0;     // [s]
 
 controller::PathFollower FollowerOf(const RobotModel& robot) {
-  controller::PathFollower::Options options = controller::PathFollower::OptionsFor(robot);
+  controller::PathFollower::Options options;
+  options.robot = robot;
   options.emergency_factor = 1.0;
   // Nothing is lost on the way; a shorter silence than it takes to brake would keep the robot from its speed.
   options.silence = options.cut_off.after = 3600.0;

@@ -404,12 +404,12 @@ TEST_F(LoadScenarioTest, LimitedJerkKeepsTheRobotOnItsPath) {
   // a^3 / (3 j^2) <= 1 cm
   EXPECT_EQ(ErrorOf("robot { max_acceleration_mps2: 3 max_jerk_mps3: 30 }"), "");
   EXPECT_EQ(ErrorOf("robot { max_acceleration_mps2: 3 max_jerk_mps3: 0 }"), "");
-  EXPECT_EQ(ErrorOf("robot {\n  max_acceleration_mps2: 3\n  max_jerk_mps3: 29.9\n}"),
+  EXPECT_EQ(ErrorOf("robot {\n  max_acceleration_mps2: 3\n  max_jerk_mps3: 21\n}"),
             At(3, 3) +
-                "robot.max_jerk_mps3: is 29.9, must be 0 or at least 30 for robot.max_acceleration_mps2, "
+                "robot.max_jerk_mps3: is 21, must be 0 or at least 21.3 for robot.max_acceleration_mps2, "
                 "3: else curves are cut by more than 1 cm");
-  EXPECT_EQ(ErrorOf("robot { max_jerk_mps3: 6 }"), "");
-  EXPECT_THAT(ErrorOf("robot { max_jerk_mps3: 5 }"), HasSubstr("must be 0 or at least 5.8 for"));
+  EXPECT_EQ(ErrorOf("robot { max_jerk_mps3: 4.1 }"), "");
+  EXPECT_THAT(ErrorOf("robot { max_jerk_mps3: 4 }"), HasSubstr("must be 0 or at least 4.1 for"));
   EXPECT_THAT(
       ErrorOf("robot { drives: true height_m: 0.4 drive: DIFFERENTIAL max_jerk_mps3: 50 }"),
       HasSubstr("robot.max_jerk_mps3: is 50, must be 0 for a robot whose robot.drive is DIFFERENTIAL"));

@@ -154,9 +154,9 @@ TEST(WithDefaults, ChangesNothingForTheController) {
   const controller::ControllerOptions full = controller::OptionsFrom(WithDefaults(Scenario()));
   EXPECT_DOUBLE_EQ(full.rate, bare.rate);
   EXPECT_DOUBLE_EQ(full.follower.silence, bare.follower.silence);
-  EXPECT_DOUBLE_EQ(full.follower.max_speed, bare.follower.max_speed);
-  EXPECT_DOUBLE_EQ(full.follower.max_acceleration, bare.follower.max_acceleration);
-  EXPECT_NEAR(full.follower.max_turn_rate, bare.follower.max_turn_rate, kPrecision);
+  EXPECT_DOUBLE_EQ(full.follower.robot.max_speed, bare.follower.robot.max_speed);
+  EXPECT_DOUBLE_EQ(full.follower.robot.max_acceleration, bare.follower.robot.max_acceleration);
+  EXPECT_NEAR(full.follower.robot.max_turn_rate, bare.follower.robot.max_turn_rate, kPrecision);
   EXPECT_DOUBLE_EQ(full.follower.position_tolerance, bare.follower.position_tolerance);
   EXPECT_NEAR(full.follower.angle_tolerance, bare.follower.angle_tolerance, kPrecision);
 }

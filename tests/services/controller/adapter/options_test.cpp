@@ -13,7 +13,7 @@ TEST(ControllerOptions, WhatTheScenarioDoesNotSayIsTheCoresDefault) {
   const PathFollower::Options defaults;
   EXPECT_EQ(options.follower.silence, defaults.silence);
   EXPECT_EQ(options.follower.position_tolerance, defaults.position_tolerance);
-  EXPECT_EQ(options.follower.max_speed, RobotModel{}.max_speed);
+  EXPECT_EQ(options.follower.robot.max_speed, RobotModel{}.max_speed);
 }
 
 TEST(ControllerOptions, ScenarioWins) {
@@ -23,7 +23,7 @@ TEST(ControllerOptions, ScenarioWins) {
   scenario.mutable_controller()->set_angle_tolerance_deg(10.0);
   scenario.mutable_controller()->set_rate_hz(100.0);
   const ControllerOptions options = OptionsFrom(scenario);
-  EXPECT_DOUBLE_EQ(options.follower.max_speed, 1.25);
+  EXPECT_DOUBLE_EQ(options.follower.robot.max_speed, 1.25);
   EXPECT_DOUBLE_EQ(options.follower.silence, 0.75);
   EXPECT_DOUBLE_EQ(options.follower.angle_tolerance, std::numbers::pi / 18.0);
   EXPECT_DOUBLE_EQ(options.rate, 100.0);
@@ -52,15 +52,15 @@ TEST(ControllerMistakes, ARobotWithLimitedJerkThatCannotStopInTimeIsOne) {
   scenario.mutable_robot()->set_max_acceleration_mps2(3.0);
   EXPECT_TRUE(controller::MistakesIn(scenario).empty());
   scenario.mutable_robot()->set_max_jerk_mps3(30.0);
-  EXPECT_NEAR(OptionsFrom(scenario).follower.smoothing, std::sqrt(8.0) * 3.0 / 30.0, 1e-12);
+  EXPECT_NEAR(OptionsFrom(scenario).follower.robot.smoothing(), 2.0 * 3.0 / 30.0, 1e-12);
   const std::vector<Mistake> mistakes = controller::MistakesIn(scenario);
   ASSERT_EQ(mistakes.size(), 1U);
   EXPECT_EQ(ToString(mistakes[0].field), "controller.silence_s");
   EXPECT_EQ(
       mistakes[0].text,
-      "is 0.5, must be at least 0.79 s with this robot.max_jerk_mps3: a robot at its greatest speed takes "
+      "is 0.5, must be at least 0.71 s with this robot.max_jerk_mps3: a robot at its greatest speed takes "
       "that long to stop");
-  scenario.mutable_controller()->set_silence_s(0.79);
+  scenario.mutable_controller()->set_silence_s(0.71);
   EXPECT_TRUE(controller::MistakesIn(scenario).empty());
 }
 

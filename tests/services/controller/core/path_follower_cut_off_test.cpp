@@ -46,11 +46,11 @@ TEST(PathFollower, CutOffFromItsExplorerItGoesBackOnThePathItCameWithinItsLimits
     return WaitsWhereItBegan(motion);
   });
   const PathFollower::Options limits;
-  EXPECT_LE(differences.speed, limits.max_speed + 1e-9);
-  EXPECT_LE(differences.turn_rate, limits.max_turn_rate + 1e-6);
-  EXPECT_LE(differences.speed_step, limits.max_acceleration * kTick + limits.corner_step + 1e-6);
+  EXPECT_LE(differences.speed, limits.robot.max_speed + 1e-9);
+  EXPECT_LE(differences.turn_rate, limits.robot.max_turn_rate + 1e-6);
+  EXPECT_LE(differences.speed_step, limits.robot.max_acceleration * kTick + limits.corner_step + 1e-6);
   EXPECT_LT(ride.robot().translation().norm(), 0.03);
-  EXPECT_LT(ride.now() - began, 3.3 / limits.max_speed + 5.0) << "it does not dawdle";
+  EXPECT_LT(ride.now() - began, 3.3 / limits.robot.max_speed + 5.0) << "it does not dawdle";
   // Without a word it stays there.
   const RigidTransform there = ride.robot();
   const double waits = ride.now();
@@ -96,7 +96,7 @@ TEST(PathFollower, APathThatIsHeardEndsThePathBackAtOnce) {
   });
   EXPECT_GT(least, 1.5 - 0.2) << "it brakes from full speed in 0.125 m";
   const PathFollower::Options limits;
-  EXPECT_LE(differences.speed_step, limits.max_acceleration * kTick + limits.corner_step + 1e-6);
+  EXPECT_LE(differences.speed_step, limits.robot.max_acceleration * kTick + limits.corner_step + 1e-6);
   EXPECT_NEAR(ride.robot().translation().x(), 5.0, 0.03);
   EXPECT_EQ(end.reason, StopReason::kNone);
 }

@@ -33,10 +33,10 @@ TEST(PathFollower, NewPathOnTheWayIsContinuousInPositionAndVelocity) {
       differences.Add(m.command->T_WB);
       return m.state == MotionState::kDone;
     });
-    EXPECT_LE(differences.speed, limits.max_speed + 1e-9);
-    EXPECT_LE(differences.turn_rate, limits.max_turn_rate + 1e-9);
-    EXPECT_LE(differences.speed_step, limits.max_acceleration * kTick + limits.corner_step + 1e-9);
-    EXPECT_LE(differences.turn_step, limits.max_turn_acceleration * kTick + 1e-6);
+    EXPECT_LE(differences.speed, limits.robot.max_speed + 1e-9);
+    EXPECT_LE(differences.turn_rate, limits.robot.max_turn_rate + 1e-9);
+    EXPECT_LE(differences.speed_step, limits.robot.max_acceleration * kTick + limits.corner_step + 1e-9);
+    EXPECT_LE(differences.turn_step, limits.robot.max_turn_acceleration * kTick + 1e-6);
     EXPECT_EQ(motion.reason, StopReason::kNone);
   }
 }

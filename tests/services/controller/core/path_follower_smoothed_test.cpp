@@ -26,7 +26,7 @@ RobotModel FastRobot() {
 }
 
 PathFollower::Options FastAndSmooth() {
-  PathFollower::Options options = PathFollower::OptionsFor(FastRobot());
+  PathFollower::Options options{.robot = FastRobot(), .retreat = {}};
   options.silence = 1.0;
   return options;
 }
@@ -52,11 +52,11 @@ TEST(PathFollowerSmoothed, KeepsSpeedAndAccelerationAndTurnLimits) {
       differences.Add(motion.command->T_WB);
       return motion.state == MotionState::kDone;
     });
-    EXPECT_LE(differences.speed, limits.max_speed + 1e-9);
+    EXPECT_LE(differences.speed, limits.robot.max_speed + 1e-9);
     // A corner's step of the velocity is spread over the window.
-    const double corner = limits.corner_step * kTick / limits.smoothing;
-    EXPECT_LE(differences.speed_step, std::sqrt(2.0) * limits.max_acceleration * kTick + corner + 1e-9);
-    EXPECT_LE(differences.turn_step, limits.max_turn_acceleration * kTick + 1e-6);
+    const double corner = limits.corner_step * kTick / limits.robot.smoothing();
+    EXPECT_LE(differences.speed_step, limits.robot.max_acceleration * kTick + corner + 1e-9);
+    EXPECT_LE(differences.turn_step, limits.robot.max_turn_acceleration * kTick + 1e-6);
   }
 }
 
@@ -77,7 +77,7 @@ TEST(PathFollowerSmoothed, KeepsTheJerkOnAStraightLineAndStaysOnIt) {
     return motion.state == MotionState::kDone;
   });
   EXPECT_LE(most, FastRobot().max_jerk);
-  EXPECT_GE(most, 0.35 * FastRobot().max_jerk) << "a / smoothing() while the acceleration is reached";
+  EXPECT_GE(most, 0.45 * FastRobot().max_jerk) << "a / smoothing() while the acceleration is reached";
 }
 
 TEST(PathFollowerSmoothed, CutsACurveByNoMoreThanIsAllowed) {
@@ -92,7 +92,7 @@ TEST(PathFollowerSmoothed, CutsACurveByNoMoreThanIsAllowed) {
       farthest = std::max(farthest, track.NearestTo(p, 0.0, track.length()).distance);
       return motion.state == MotionState::kDone;
     });
-    EXPECT_LE(farthest, 0.01) << radius;
+    EXPECT_LE(farthest, 0.005) << radius;
     EXPECT_LT((ride.robot().translation() - path.back().translation()).norm(), 1e-6);
   }
 }
@@ -132,7 +132,7 @@ TEST(PathFollowerSmoothed, JoinsAnotherPathWithoutAJump) {
     std::mt19937 random(8);
     RobotModel robot = FastRobot();
     robot.max_speed = speed;
-    PathFollower::Options options = PathFollower::OptionsFor(robot);
+    PathFollower::Options options{.robot = robot, .retreat = {}};
     options.silence = 1.2;
     Ride ride(At(0, 0), options);
     const PathFollower::Options& limits = ride.follower().options();
@@ -157,9 +157,9 @@ TEST(PathFollowerSmoothed, JoinsAnotherPathWithoutAJump) {
     const double x = ride.robot().translation().x() - from.x();
     ride.Follow({ahead(x), ahead(70)});
     EXPECT_NEAR(ticks(20).speed, speed, 1e-6) << "it did not stop for that";
-    const double corner = limits.corner_step * kTick / limits.smoothing;
+    const double corner = limits.corner_step * kTick / limits.robot.smoothing();
     EXPECT_LE(differences.speed_step,
-              std::sqrt(2.0) * limits.emergency_factor * limits.max_acceleration * kTick + 2.0 * corner);
+              limits.emergency_factor * limits.robot.max_acceleration * kTick + 2.0 * corner);
   }
 }
 

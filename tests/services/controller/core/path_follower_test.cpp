@@ -69,11 +69,11 @@ TEST(PathFollower, CommandsNeverExceedSpeedAccelerationAndTurnLimits) {
       differences.Add(motion.command->T_WB);
       return motion.state == MotionState::kDone;
     });
-    EXPECT_LE(differences.speed, limits.max_speed + 1e-9);
-    EXPECT_LE(differences.turn_rate, limits.max_turn_rate + 1e-9);
+    EXPECT_LE(differences.speed, limits.robot.max_speed + 1e-9);
+    EXPECT_LE(differences.turn_rate, limits.robot.max_turn_rate + 1e-9);
     // Where a corner lies within a tick, its velocity step adds to that of the acceleration.
-    EXPECT_LE(differences.speed_step, limits.max_acceleration * kTick + limits.corner_step + 1e-9);
-    EXPECT_LE(differences.turn_step, limits.max_turn_acceleration * kTick + 1e-6);
+    EXPECT_LE(differences.speed_step, limits.robot.max_acceleration * kTick + limits.corner_step + 1e-9);
+    EXPECT_LE(differences.turn_step, limits.robot.max_turn_acceleration * kTick + 1e-6);
   }
 }
 
@@ -153,11 +153,11 @@ TEST(PathFollower, CommandWaitsForARobotThatIsStuck) {
   ride.stuck = true;
   const double stuck_at = ride.robot().translation().x();
   const PathFollower::Options& limits = ride.follower().options();
-  const double farthest =
-      limits.max_speed * (limits.max_speed / (2.0 * limits.max_acceleration) + limits.delay);
+  const double farthest = limits.robot.max_speed *
+                          (limits.robot.max_speed / (2.0 * limits.robot.max_acceleration) + limits.delay);
   const double start = ride.now();
   const Motion motion = ride.Until([&](const Motion& m) {
-    EXPECT_LE(m.command->T_WB.translation().x() - stuck_at, farthest + limits.max_speed * kTick);
+    EXPECT_LE(m.command->T_WB.translation().x() - stuck_at, farthest + limits.robot.max_speed * kTick);
     return ride.now() - start > 5.0;
   });
   EXPECT_EQ(motion.state, MotionState::kStopped);
@@ -221,7 +221,8 @@ TEST(PathFollower, WithoutPathIsIdleAndCommandsNothing) {
 /// Moves only where it faces.
 PathFollower::Options Facing() {
   PathFollower::Options options;
-  options.faces_travel = true;
+  options.robot.drives = true;
+  options.robot.drive = Drive::kDifferential;
   return options;
 }
 
@@ -300,8 +301,9 @@ TEST(AFacingFollower, VelocityCommandsSteerARobotBackToThePathCriticallyDamped) 
 }
 
 TEST(PathFollower, RefusesOptionsThatMakeNoSense) {
-  EXPECT_THROW(PathFollower({.max_speed = 0.0, .retreat = {}}), std::invalid_argument);
-  EXPECT_THROW(PathFollower({.max_turn_rate = std::nan(""), .retreat = {}}), std::invalid_argument);
+  EXPECT_THROW(PathFollower({.robot = {.max_speed = 0.0}, .retreat = {}}), std::invalid_argument);
+  EXPECT_THROW(PathFollower({.robot = {.max_turn_rate = std::nan("")}, .retreat = {}}),
+               std::invalid_argument);
   EXPECT_THROW(PathFollower({.silence = -1.0, .retreat = {}}), std::invalid_argument);
 }
 
@@ -309,7 +311,7 @@ TEST(PathFollower, OfAGimbalArrivesWhateverOrientationsThePathGives) {
   RobotModel robot{.attitude = Attitude::kGimbal};
   const Eigen::Matrix3d rolled =
       RotationFromYawPitch(0.7, 1.2) * Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()).toRotationMatrix();
-  Ride ride(At(0, 0), PathFollower::OptionsFor(robot));
+  Ride ride(At(0, 0), {.robot = robot, .retreat = {}});
   ride.Follow({At(0, 0), MakeTransform(rolled, {1.0, 0.0, 0.0})});
   const Motion motion = ride.UntilDone();
   EXPECT_NEAR(motion.command->T_WB.linear()(2, 1), 0.0, 1e-9) << "no roll";
@@ -318,7 +320,7 @@ TEST(PathFollower, OfAGimbalArrivesWhateverOrientationsThePathGives) {
 
 TEST(PathFollower, OfAGimbalGoesBackWhenItIsCutOff) {
   RobotModel robot{.attitude = Attitude::kGimbal};
-  PathFollower::Options options = PathFollower::OptionsFor(robot);
+  PathFollower::Options options{.robot = robot, .retreat = {}};
   options.cut_off = {.action = OnCutOff::kRetreat, .after = 1.0, .step = 0.3};
   std::mt19937 random(6);
   Ride ride(At(0, 0), options);
@@ -332,7 +334,7 @@ TEST(PathFollower, OfAGimbalGoesBackWhenItIsCutOff) {
 TEST(PathFollower, TheBaseOfAGimbalMovesLevelAndEachAxisKeepsItsRateWhileTheGimbalLagsBehind) {
   RobotModel robot{.attitude = Attitude::kGimbal};
   robot.max_turn_rate = 0.4;
-  Ride ride(At(0, 0), PathFollower::OptionsFor(robot));
+  Ride ride(At(0, 0), {.robot = robot, .retreat = {}});
   ride.Follow({At(0, 0), MakeTransform(RotationFromYawPitch(2.5, -1.4), {3.0, 0.0, 0.0})});
   bool moved = false;
   for (int n = 0; n < 150; ++n) {

@@ -17,7 +17,7 @@ using test::Ride;
 
 PathFollower::Options Smoothed() {
   PathFollower::Options options;
-  options.smoothing = 0.2;
+  options.robot.max_jerk = 2.0 * options.robot.max_acceleration / 0.2;
   options.silence = 1.0;
   return options;
 }
@@ -61,7 +61,7 @@ TEST(Preview, VelocitiesAndAccelerationsAreTheDerivatives) {
       const TrajectoryPoint& b = points[n + 1];
       EXPECT_NEAR(b.time - a.time, kTick, 1e-9);
       const Eigen::Vector3d moved = b.T_WB.translation() - a.T_WB.translation();
-      const double most = options.max_acceleration * kTick + options.corner_step;
+      const double most = options.robot.max_acceleration * kTick + options.corner_step;
       EXPECT_LT((moved / kTick - 0.5 * (a.v_W + b.v_W)).norm(), most);
       EXPECT_LT((a.a_W * kTick - (b.v_W - a.v_W)).norm(), 1e-9);
       const Eigen::AngleAxisd turn(Eigen::Matrix3d(b.T_WB.linear() * a.T_WB.linear().transpose()));
@@ -77,17 +77,19 @@ TEST(Preview, OfALongPathBrakesGentlyAtTheHorizon) {
     for (int n = 0; n < 60; ++n) ride.Tick();
     const std::vector<TrajectoryPoint> points = ride.follower().Preview(0.1, 2.0);
     ASSERT_GT(points.size(), 20U);
-    EXPECT_NEAR(points[20].v_W.x(), options.max_speed, 1e-9);
+    EXPECT_NEAR(points[20].v_W.x(), options.robot.max_speed, 1e-9);
     EXPECT_NEAR(points[20].time, 2.0, 1e-9);
-    const double stop = 2.0 + options.max_speed / options.max_acceleration + options.smoothing;
+    const double stop =
+        2.0 + options.robot.max_speed / options.robot.max_acceleration + options.robot.smoothing();
     EXPECT_NEAR(points.back().time, stop, 0.1);
     EXPECT_EQ(points.back().v_W, Eigen::Vector3d::Zero());
     EXPECT_EQ(points.back().a_W, Eigen::Vector3d::Zero());
-    for (const TrajectoryPoint& point : points) EXPECT_LE(point.a_W.norm(), options.max_acceleration + 1e-6);
+    for (const TrajectoryPoint& point : points)
+      EXPECT_LE(point.a_W.norm(), options.robot.max_acceleration + 1e-6);
     // The follower itself has not noticed.
     const Motion motion = ride.Tick();
     EXPECT_EQ(motion.state, MotionState::kFollowing);
-    EXPECT_NEAR(motion.speed, options.max_speed, 1e-9);
+    EXPECT_NEAR(motion.speed, options.robot.max_speed, 1e-9);
   }
 }
 
@@ -140,8 +142,8 @@ TEST(Preview, AReportOfBeingLostThatHasExpiredCountsNoMore) {
 
 TEST(Preview, EndsBeforeWhatHasNotBeenCheckedAndBeforeWhatIsSolid) {
   PathFollower::Options options;
-  options.max_speed = 5.0;
-  options.max_acceleration = 10.0;
+  options.robot.max_speed = 5.0;
+  options.robot.max_acceleration = 10.0;
   options.silence = 1.0;
   options.checked_body = PathCheck::Body{.radius = 0.6};
   for (const double wall : {1e6, 6.0}) {

@@ -57,6 +57,55 @@ TEST(Track, FineArcIsTraveledWithinTheLateralAcceleration) {
               2e-3);  // v^2 / r = a; braking within a segment
 }
 
+/// A straight line, and on from its end a curve whose curvature is that of curvature(share of its length).
+template <class Curvature>
+std::vector<RigidTransform> StraightAndCurve(double straight, double curve, const Curvature& curvature) {
+  constexpr double kApart = 0.002;  // [m] Each corner is a step of the velocity.
+  std::vector<RigidTransform> path{At(0, 0), At(straight, 0)};
+  double heading = 0.0;
+  for (double s = 0.0; s < curve; s += kApart) {
+    heading += curvature(s / curve) * kApart;
+    const Eigen::Vector3d& p = path.back().translation();
+    path.push_back(At(p.x() + kApart * std::cos(heading), p.y() + kApart * std::sin(heading)));
+  }
+  return path;
+}
+
+/// The velocities [m/s] of a robot that follows a track from rest, every 10 ms.
+std::vector<Eigen::Vector3d> VelocitiesAlong(const Track& track) {
+  constexpr double kTick = 0.01;  // [s]
+  std::vector<Eigen::Vector3d> velocities{Eigen::Vector3d::Zero()};
+  double s = 0.0;
+  double speed = 0.0;
+  while (s < track.length() - 1e-3 && velocities.size() < 10'000) {
+    const double next = track.NextSpeed(s, speed, kTick);
+    s += 0.5 * (speed + next) * kTick;
+    speed = next;
+    velocities.emplace_back(speed * track.DirectionAt(s));
+  }
+  return velocities;
+}
+
+TEST(Track, WhatCurvesTakeIsNotLeftForGainingAndLosingSpeed) {
+  const TrackLimits limits{.max_speed = 2.0, .max_acceleration = 3.0, .corner_step = 0.1};
+  const auto round = [](double) { return 0.8; };
+  const auto wave = [](double share) { return 1.5 * std::sin(20.0 * share); };
+  const auto tightening = [](double share) { return 4.0 * share; };
+  const auto opening = [](double share) { return 4.0 * (1.0 - share); };
+  for (const auto& path : {StraightAndCurve(2.0, 4.0, round), StraightAndCurve(0.1, 8.0, wave),
+                           StraightAndCurve(3.0, 2.0, tightening), StraightAndCurve(0.1, 3.0, opening)}) {
+    const Track track(path, limits);
+    const std::vector<Eigen::Vector3d> v_W = VelocitiesAlong(track);
+    ASSERT_LT(v_W.size(), 1000U) << "arrives";
+    double most = 0.0;
+    constexpr std::size_t kTicks = 10;
+    for (std::size_t n = 0; n + kTicks < v_W.size(); ++n)
+      most = std::max(most, (v_W[n + kTicks] - v_W[n]).norm() / (0.01 * kTicks));
+    EXPECT_LE(most, 1.04 * limits.max_acceleration);
+    EXPECT_GE(most, 0.95 * limits.max_acceleration) << "and uses what there is";
+  }
+}
+
 TEST(Track, ARobotThatFacesWhereItMovesStopsAtSharpCornersAndPassesCurvesNoFasterThanItTurns) {
   const TrackLimits limits{
       .max_speed = 2.0, .max_acceleration = 10.0, .corner_step = 1.0, .facing_turn_rate = 1.0};

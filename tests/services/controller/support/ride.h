@@ -75,7 +75,7 @@ class Ride {
     if (!heard_) return;
     const Eigen::Vector3d p_W = robot_.translation();
     const Eigen::Vector3d step = heard_->translation() - p_W;
-    const double reach = follower_.options().max_speed * kTick;
+    const double reach = follower_.options().robot.max_speed * kTick;
     robot_ = *heard_;
     if (step.norm() > reach) robot_.translation() = p_W + step * (reach / step.norm());
   }
