@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 3;
+constexpr int kVersion = 4;
 constexpr std::size_t kMostAside = 2'000'000;  // more voxels than any planner's map has at its border
 constexpr double kMostAmount = 1e8;            // [m] or [s]; three years
 constexpr std::size_t kLongestText = kLongestPlace;
@@ -79,6 +79,7 @@ SavedExploration From(const Json& json) {
     saved.paused =
         PauseCause{NamedFrom(TextFrom(paused.at("reason")), PauseReasonNamed), TextFrom(paused.at("error"))};
   }
+  saved.gone_tight_way = json.at("gone_tight_way").get<bool>();
   saved.strategy = TextFrom(json.at("strategy"));
   if (json.at("no_go").size() > NoGoBoxes::kMostDrawn) throw std::runtime_error("too many boxes");
   for (const Json& box : json["no_go"]) {
@@ -106,6 +107,7 @@ std::string EncodeExploration(const SavedExploration& saved) {
               {"elapsed_s", std::chrono::duration<double>(saved.elapsed).count()},
               {"homeward", saved.homeward ? Json(std::string(NameOf(*saved.homeward))) : Json(nullptr)},
               {"paused", saved.paused ? JsonOf(*saved.paused) : Json(nullptr)},
+              {"gone_tight_way", saved.gone_tight_way},
               {"strategy", saved.strategy},
               {"no_go", boxes},
               {"set_aside", aside}}

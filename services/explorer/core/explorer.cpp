@@ -65,6 +65,7 @@ void Explorer::SaveTo(SavedExploration& saved, Time now) const {
   saved.distance = mission_.distance();
   saved.elapsed = mission_.Elapsed(now);
   saved.homeward = mission_.homeward();
+  saved.gone_tight_way = targets_.gone_tight_way();
   saved.strategy = targets_.strategy_name();
   saved.drawn = no_go_.drawn();
   saved.aside.clear();
@@ -74,6 +75,7 @@ void Explorer::SaveTo(SavedExploration& saved, Time now) const {
 void Explorer::Restore(const SavedExploration& saved) {
   mission_.Restore(saved);
   for (const Eigen::AlignedBox3d& box_W : saved.drawn) no_go_.Draw(box_W);
+  targets_.RestoreGoneTightWay(saved.gone_tight_way);
   UseStrategy(saved.strategy);  // one that is gone leaves the scenario's
   asides_.Restore(saved.aside);
 }

@@ -61,7 +61,6 @@ TargetChooser::TargetChooser(const ExplorerOptions& options, Knowledge& knowledg
 void TargetChooser::Reset(Knowledge& knowledge) {
   inspection_.Follow(*strategy_, knowledge);
   shut_ways_.Clear();
-  gone_tight_way_ = false;
 }
 
 std::optional<Error> TargetChooser::UseStrategy(std::string_view name, Knowledge& knowledge) try {
@@ -78,6 +77,7 @@ std::optional<Error> TargetChooser::UseStrategy(std::string_view name, Knowledge
 
 void TargetChooser::TakeOverFrom(const TargetChooser& other, Knowledge& knowledge) {
   left_out_before_ = other.left_out();
+  gone_tight_way_ = other.gone_tight_way_;
   Use(other.options_.strategy, knowledge);
 }
 

@@ -25,23 +25,22 @@ namespace thalweg::explorer {
 /// of the border of free space; if it is more, the nearest is next. Where too much stayed unknown for an
 /// exploration to be complete because unknown space bars the path that the robot looked into in vain or sees
 /// little of, it looks at the nearest of that from near. Where a way is shut that was open, it watches that
-/// for a while before the end (ShutWays). Where gaps that only fit between voxels lead to more, it goes through
-/// them (FindTightWays).
-/// It ends at once where the strategy says that it does not apply, and a strategy that goes by views says
-/// itself when it has come to its end.
-/// Threading: one thread owns it.
+/// for a while before the end (ShutWays). Where gaps that only fit between voxels lead to more, it goes
+/// through them (FindTightWays). It ends at once where the strategy says that it does not apply, and a
+/// strategy that goes by views says itself when it has come to its end. Threading: one thread owns it.
 class TargetChooser {
  public:
   /// Throws std::invalid_argument naming the invalid option.
   TargetChooser(const ExplorerOptions& options, Knowledge& knowledge);
 
-  /// Forgets what was inspected and reached so far, because the map is another.
+  /// Forgets what was inspected and reached so far, because the map is another; not that it has gone a tight
+  /// way, since another map may be of the same place.
   void Reset(Knowledge& knowledge);
   void ShiftTimes(Duration back) { shut_ways_.ShiftTimes(back); }
   /// Chooses by another strategy from now on. Error: there is none of that name, or not for this robot, or it
   /// goes by views and the one at the beginning did not.
   std::optional<Error> UseStrategy(std::string_view name, Knowledge& knowledge);
-  /// Chooses by the strategy that another uses.
+  /// Chooses by the strategy that another uses, for the same robot.
   void TakeOverFrom(const TargetChooser& other, Knowledge& knowledge);
 
   /// @param make  For the same robot and map.
@@ -53,6 +52,9 @@ class TargetChooser {
   const std::string& strategy_name() const { return options_.strategy.name; }
   const Strategy& strategy() const { return *strategy_; }
   Strategy& strategy() { return *strategy_; }
+  /// Whether the robot has gone a tight way, so that what it reached before may be out of reach.
+  bool gone_tight_way() const { return gone_tight_way_; }
+  void RestoreGoneTightWay(bool gone) { gone_tight_way_ = gone; }
   /// As Strategy::left_out, of all strategies so far.
   std::size_t left_out() const { return left_out_before_ + strategy_->left_out(); }
 
@@ -112,11 +114,11 @@ class TargetChooser {
   ExplorerOptions options_;
   CandidateSearch search_;
   ShutWays shut_ways_;
-  bool gone_tight_way_ = false;  ///< What it reached before may be out of reach.
+  bool gone_tight_way_ = false;
   ErrandPlanner looks_;  ///< At what shuts a way.
   std::unique_ptr<Strategy> strategy_;
   std::size_t left_out_before_ = 0;  ///< By strategies before it.
-  bool gets_views_;  ///< Whether there are views, see Strategy::goes_by_views.
+  bool gets_views_;                  ///< Whether there are views, see Strategy::goes_by_views.
   SurfaceInspection inspection_;
 };
 

@@ -20,6 +20,7 @@ SavedExploration Example() {
       .elapsed = 90s,
       .homeward = Outcome::kTimeBudget,
       .paused = PauseCause{PauseReason::kErrandImpossible, "no \"path\"\n"},
+      .gone_tight_way = true,
       .strategy = "flow",
       .drawn = {Eigen::AlignedBox3d(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 2, 3))},
       .aside = {{{0.05, 0.15, 0.25}, AsideReason::kVisited}, {{6.05, 0.65, 0.65}, AsideReason::kIgnored}}};
@@ -35,6 +36,7 @@ TEST(ExplorationFile, IsReadAsItWasWritten) {
   EXPECT_EQ(read->elapsed, saved.elapsed);
   EXPECT_EQ(read->homeward, saved.homeward);
   EXPECT_EQ(read->paused, saved.paused);
+  EXPECT_EQ(read->gone_tight_way, saved.gone_tight_way);
   EXPECT_EQ(read->strategy, saved.strategy);
   ASSERT_EQ(read->drawn.size(), 1U);
   EXPECT_TRUE(read->drawn[0].isApprox(saved.drawn[0]));
@@ -57,7 +59,7 @@ TEST(ExplorationFile, RefusesWhatItDidNotWrite) {
     const Result<SavedExploration> read = DecodeExploration(text);
     return read ? "read" : read.error();
   };
-  EXPECT_THAT(with("\"version\":3", "\"version\":2"), HasSubstr("another version"));
+  EXPECT_THAT(with("\"version\":4", "\"version\":3"), HasSubstr("another version"));
   EXPECT_THAT(with("12.25", "-1.0"), HasSubstr("negative"));
   EXPECT_THAT(with("12.25", "1e300"), HasSubstr("absurd"));
   EXPECT_THAT(with("visited", "bored"), HasSubstr("unknown name"));

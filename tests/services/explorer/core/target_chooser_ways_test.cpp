@@ -71,6 +71,19 @@ TEST_F(BeforeAHole, ItIsNotShutInOnceItHasGoneThrough) {
       << "with less than half of the room in reach";
 }
 
+TEST_F(BeforeAHole, NorWhenItsProcessIsRestartedBeyondOrItsMapReplaced) {
+  options_.max_missed_share = 1.0;
+  ChoosingRobot before(options_, RoomWithAHole(4));
+  const Task task = before.Choose();
+  ASSERT_TRUE(before.chooser.gone_tight_way());
+  ChoosingRobot robot(options_, RoomWithAHole(4), task.plan.T_WBs.back());
+  robot.knowledge.Update(test::FarWall(), {}, kStart);
+  EXPECT_EQ(test::EndOf(robot.Choose().plan), Outcome::kNothingReachable);
+  robot.chooser.RestoreGoneTightWay(true);
+  robot.chooser.Reset(robot.knowledge);
+  EXPECT_EQ(test::EndOf(robot.Choose().plan), Outcome::kComplete);
+}
+
 TEST_F(BeforeAHole, ItSaysNothingOfOneThatTheBodyDoesNotFit) {
   const Task task = Choose(1);
   ASSERT_TRUE(task.plan.ending);
