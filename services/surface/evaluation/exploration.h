@@ -44,7 +44,9 @@ using Camera = std::function<Result<View>(const RigidTransform& T_WC, const Eige
 struct ExplorationOptions {
   SurfaceOptions surface;
   int moves = 1;
-  int views_per_move = 4;  ///< As in the thesis's experiments; the last is above the rift.
+  /// The thesis's experiments have four intermediate poses a move; the last one above the rift is taken to be
+  /// the fourth.
+  int views_per_move = 4;
 };
 
 /// Throws std::invalid_argument naming the bad option.

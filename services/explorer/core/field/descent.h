@@ -8,8 +8,9 @@
 
 namespace thalweg::explorer {
 
-/// The gradient of a potential, as the source thesis has it: central differences at the cells' centers, where
-/// a wall mirrors the value opposite to it, and trilinear interpolation between them.
+/// The gradient of a potential: at the cells' centers, and trilinear interpolation between them, as the
+/// source thesis has it. It does not say from which differences: these are central, and a wall mirrors the
+/// value opposite to it, as in its stencil.
 class GradientField {
  public:
   /// Both grids, over the same box, must outlive this.

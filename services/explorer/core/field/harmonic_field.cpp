@@ -70,6 +70,8 @@ struct HarmonicField::State {
 };
 
 HarmonicField::HarmonicField() : state_(std::make_unique<State>()) {}
+HarmonicField::HarmonicField(HarmonicField&&) noexcept = default;
+HarmonicField& HarmonicField::operator=(HarmonicField&&) noexcept = default;
 HarmonicField::~HarmonicField() = default;
 const DenseGrid<float>& HarmonicField::phi() const {
   return state_->phi;

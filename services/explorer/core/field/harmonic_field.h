@@ -53,6 +53,8 @@ class HarmonicField {
   };
 
   HarmonicField();
+  HarmonicField(HarmonicField&&) noexcept;
+  HarmonicField& operator=(HarmonicField&&) noexcept;
   ~HarmonicField();
 
   /// @throws std::invalid_argument  saying why, if there is no GPU that kGpu could use.

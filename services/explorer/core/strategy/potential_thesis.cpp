@@ -72,6 +72,13 @@ DenseGrid<FieldCell> MakeCells(const Situation& situation, PotentialThesis::Opti
   return cells;
 }
 
+template <typename To, typename From>
+DenseGrid<To> Converted(const DenseGrid<From>& from) {
+  DenseGrid<To> to(from.box(), To{});
+  std::copy_n(from.data(), from.size(), to.data());
+  return to;
+}
+
 std::size_t CandidateWith(const Situation& situation, const VoxelIndex& goal) {
   const auto found = std::ranges::find_if(situation.candidates, [&](const Candidate& candidate) {
     return std::ranges::count(candidate.goals, goal) > 0;
@@ -98,6 +105,7 @@ void Visit(OptionVisitor& visitor, PotentialThesis::Options& options) {
   using Walls = RelaxationOptions::Walls;
   using Beside = RelaxationOptions::Beside;
   visitor.Block("potential_thesis", [&](OptionVisitor& thesis) {
+    thesis.Switch("solve", options.solve);
     thesis.Choice("sweep", options.relaxation.sweep,
                   {{"GAUSS_SEIDEL", Sweep::kGaussSeidel}, {"JACOBI", Sweep::kJacobi}});
     thesis.Choice("walls", options.relaxation.walls,
@@ -122,11 +130,12 @@ void Visit(OptionVisitor& visitor, PotentialThesis::Options& options) {
 PotentialThesis::PotentialThesis(const Options& options) : options_(options) {
   if (!(options.relaxation.largest_change > 0.0)) throw std::invalid_argument("largest_change must be > 0");
   if (!(options.descent.step_cells > 0.0)) throw std::invalid_argument("step_voxels must be > 0");
+  if (options.solve && options.relaxation.walls != RelaxationOptions::Walls::kDropped)
+    throw std::invalid_argument("solve knows no mirrored walls: with it, walls must be DROPPED");
   if (options.domain == Options::Domain::kReachable && options.sinks != Options::Sinks::kViewingPlaces) {
     throw std::invalid_argument(
         "domain REACHABLE ends before frontier voxels, into which the body would reach: with it, sinks must "
-        "be "
-        "VIEWING_PLACES");
+        "be VIEWING_PLACES");
   }
 }
 
@@ -163,6 +172,10 @@ std::optional<std::vector<Candidate>> PotentialThesis::FindCandidates(const Surr
   return candidates;
 }
 
+DenseGrid<double> PotentialThesis::Solve(const DenseGrid<FieldCell>& cells) {
+  return options_.solve ? Converted<double>(solver_.Solve(cells, {})) : Relax(cells, options_.relaxation).phi;
+}
+
 Choice PotentialThesis::Choose(const Situation& situation) {
   const PlanningMap& map = situation.map;
   const VoxelIndex robot = map.IndexOf(situation.robot_W);
@@ -172,12 +185,11 @@ Choice PotentialThesis::Choose(const Situation& situation) {
   if (to_places && std::ranges::count(situation.candidates[nearest].goals, robot) > 0)
     return StraightTo(situation, nearest);
   const DenseGrid<FieldCell> cells = MakeCells(situation, options_.domain);
-  const Relaxation solved = Relax(cells, options_.relaxation);
-  shown_ = DenseGrid<float>(cells.box(), 0.0F);
-  for (std::size_t k = 0; k < shown_.size(); ++k) shown_[k] = static_cast<float>(solved.phi[k]);
-  Streamline line = FollowDescent(cells, solved.phi, map.voxel_size(), robot, options_.descent);
+  const DenseGrid<double> phi = Solve(cells);
+  shown_ = Converted<float>(phi);
+  Streamline line = FollowDescent(cells, phi, map.voxel_size(), robot, options_.descent);
   if (to_places && line.end != StreamlineEnd::kArrived) return StraightTo(situation, nearest);
-  if (line.end != StreamlineEnd::kArrived) CutWhereLowest(map, solved.phi, line.points_W);
+  if (line.end != StreamlineEnd::kArrived) CutWhereLowest(map, phi, line.points_W);
   Choice choice;
   if (line.points_W.size() < 2) return choice;
   const VoxelIndex end = map.IndexOf(line.points_W.back());

@@ -4,6 +4,7 @@
 
 #include "common/base/option_visitor.h"
 #include "services/explorer/core/field/descent.h"
+#include "services/explorer/core/field/harmonic_field.h"
 #include "services/explorer/core/field/relaxation.h"
 #include "services/explorer/core/strategy/strategy.h"
 
@@ -30,8 +31,8 @@ namespace thalweg::explorer {
 /// leave then leads it to and fro.
 ///
 /// What Potential does otherwise can be had one by one, to see what each is worth: sinks at viewing places,
-/// the candidates of all other strategies, the nearest of which is gone to where no line arrives; and as the
-/// domain what the body can reach.
+/// the candidates of all other strategies, the nearest of which is gone to where no line arrives; as the
+/// domain what the body can reach; and the solution of the equation in place of what sweeps have left of it.
 class PotentialThesis final : public Strategy {
  public:
   struct Options {
@@ -42,6 +43,8 @@ class PotentialThesis final : public Strategy {
     };
     Sinks sinks = Sinks::kFrontierVoxels;
     Domain domain = Domain::kFree;
+    /// HarmonicField solves; of `relaxation` only the walls count, which must be kDropped.
+    bool solve = false;
     RelaxationOptions relaxation;
     DescentOptions descent;
     bool connected_only = true;
@@ -57,7 +60,10 @@ class PotentialThesis final : public Strategy {
   const DenseGrid<float>* field() const override { return &shown_; }
 
  private:
+  DenseGrid<double> Solve(const DenseGrid<FieldCell>& cells);
+
   Options options_;
+  HarmonicField solver_;
   DenseGrid<float> shown_;
 };
 

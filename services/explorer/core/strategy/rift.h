@@ -33,7 +33,9 @@ class Rift final : public Strategy {
  public:
   struct Options {
     surface::SurfaceOptions surface;
-    int views_per_move = 4;  ///< As in the thesis's experiments; the last is above the rift.
+    /// The thesis's experiments have four intermediate poses a move; the last one above the rift is taken to
+    /// be the fourth.
+    int views_per_move = 4;
     /// Images are kept, so that memory grows with their number, about 130 bytes a pixel. The first and those
     /// of twenty moves are 81: at 640 x 480 pixels below 4 GB.
     int most_views = 81;

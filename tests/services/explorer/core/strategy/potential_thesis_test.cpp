@@ -157,6 +157,24 @@ TEST_P(ThesisToPlaces, TakesAPlaceWhereItStandsAtOnce) {
   EXPECT_EQ(strategy.Choose(situation()).candidate, candidates_.size() - 1);
 }
 
+// The sweeps stop early, so the fields differ; where they are steep the line is the same.
+TEST_F(PotentialThesisTest, SolvedItGoesToTheSameEndOfACorridor) {
+  map_.Apply(Corridor());
+  robot_W_.x() = -2.95;
+  PotentialThesis solved(
+      {.solve = true, .relaxation = {.walls = RelaxationOptions::Walls::kDropped}, .descent = {}});
+  const std::vector<Candidate> candidates = Find();
+  const Choice choice =
+      solved.Choose({map_, search_, robot_W_, kClearance, candidates, kViews, 3.0, 3.0, false});
+  ASSERT_FALSE(choice.path_W.empty());
+  EXPECT_EQ(map_.IndexOf(choice.path_W.back()), (VoxelIndex{-60, 0, 0}));
+  // Far from the robot the flow fills the corridor, so phi is straight; what the sweeps leave is not.
+  const DenseGrid<float>& phi = *solved.field();
+  for (int x = -10; x < 58; ++x)
+    EXPECT_NEAR(phi[VoxelIndex(x, 0, 0)] - phi[VoxelIndex(x - 1, 0, 0)],
+                phi[VoxelIndex(58, 0, 0)] - phi[VoxelIndex(57, 0, 0)], 1e-4);
+}
+
 TEST_F(PotentialThesisTest, OptionsThatMakeNoSenseAreRefused) {
   PotentialThesis::Options options;
   options.relaxation.largest_change = 0.0;
@@ -167,6 +185,9 @@ TEST_F(PotentialThesisTest, OptionsThatMakeNoSenseAreRefused) {
   options = {};
   options.domain = PotentialThesis::Options::Domain::kReachable;
   EXPECT_THROW(PotentialThesis{options}, std::invalid_argument);
+  options = {};
+  options.solve = true;
+  EXPECT_THROW(PotentialThesis{options}, std::invalid_argument) << "walls are mirrored";
 }
 
 }  // namespace
