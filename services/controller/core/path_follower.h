@@ -99,7 +99,7 @@ struct TrajectoryPoint {
 class PathFollower {
  public:
   struct Options {
-    RobotModel robot = {};
+    RobotModel robot = {};          ///< Its rates, how it moves, and its jerk, if that is limited.
     double emergency_factor = 2.5;  ///< Emergency braking relative to the robot's accelerations.
     double corner_step =
         TrackLimits{}.corner_step;  ///< [m/s] Largest change of the velocity vector at a corner.

@@ -23,8 +23,16 @@ double AngleBetween(const Eigen::Vector3d& before, const Eigen::Vector3d& after)
   return std::atan2(before.cross(after).norm(), before.dot(after));
 }
 
-double CornerSpeed(const Eigen::Vector3d& before, const Eigen::Vector3d& after, const TrackLimits& limits) {
-  const double h = 0.5 * (before.norm() + after.norm());
+/// [m] How much of the track a vertex stands for, if it belongs to a curve. The first segment may be what is
+/// left of a longer one.
+double LengthOf(const Eigen::Vector3d& before, const Eigen::Vector3d& after, bool is_first) {
+  const double mean = 0.5 * (before.norm() + after.norm());
+  return is_first ? std::max(mean, after.norm()) : mean;
+}
+
+/// @param h  [m] See LengthOf.
+double CornerSpeed(const Eigen::Vector3d& before, const Eigen::Vector3d& after, double h,
+                   const TrackLimits& limits) {
   const double angle = AngleBetween(before, after);
   if (angle < 1e-9) return limits.max_speed;
   const double speed = std::min({limits.max_speed, limits.corner_step / (2.0 * std::sin(0.5 * angle)),
@@ -43,11 +51,12 @@ double Beside(double lateral, double a) {
 /// The square of the highest speed u from which a robot can brake, over the distance `left`, to a speed whose
 /// square is `next`, while its lateral acceleration is at most curvature u:
 ///   (u - next)^2 = 4 left^2 (a^2 - curvature^2 u^2)
-/// Where that has no solution, even `next` is more than the curve allows.
+/// If even `next` is more than the curve allows, what that allows.
 double BrakesFrom(double next, double curvature, double left, double a) {
+  if (curvature * next >= a) return a / curvature;
   const double k = 2.0 * left * curvature;
-  const double inner = (1.0 + k * k) * 4.0 * left * left * a * a - k * k * next * next;
-  return inner < 0.0 ? a / curvature : (next + std::sqrt(inner)) / (1.0 + k * k);
+  const double root = std::sqrt((1.0 + k * k) * 4.0 * left * left * a * a - k * k * next * next);
+  return (next + root) / (1.0 + k * k);
 }
 
 }  // namespace
@@ -72,8 +81,9 @@ Track::Track(const std::vector<RigidTransform>& T_WBs, const TrackLimits& limits
     if (i > 0) {
       const Eigen::Vector3d before = points_[i] - points_[i - 1];
       const Eigen::Vector3d after = points_[i + 1] - points_[i];
-      allowed_[i] = CornerSpeed(before, after, limits);
-      curvature_[i] = AngleBetween(before, after) / (0.5 * (before.norm() + after.norm()));
+      const double h = LengthOf(before, after, i == 1);
+      allowed_[i] = CornerSpeed(before, after, h, limits);
+      curvature_[i] = AngleBetween(before, after) / h;
     }
     const double next = allowed_[i + 1] * allowed_[i + 1];
     const double by_next = next + 2.0 * Beside(next * curvature_[i + 1], limits.max_acceleration) * left;
@@ -131,7 +141,7 @@ const Eigen::Quaterniond& Track::OrientationAhead(double s) const {
   return orientations_[std::min(SegmentAt(s) + 1, orientations_.size() - 1)];
 }
 
-/// [m/s^2] Of the curve that a vertex belongs to, for a robot that is slower there than it has to be.
+/// [m/s^2] Across the track in the curve that a vertex belongs to, for a robot that may be slower there.
 double Track::LateralAt(std::size_t vertex, double speed) const {
   const double slower = std::min(speed, allowed_[vertex]);
   return slower * slower * curvature_[vertex];

@@ -12,7 +12,7 @@ namespace thalweg::controller {
 /// Limits on the speed along a track.
 struct TrackLimits {
   double max_speed = RobotModel{}.max_speed;  ///< [m/s]
-  /// [m/s^2] Of along the track and across it, where it stands for a curve, together.
+  /// [m/s^2] Along the track, and across it where it stands for a curve, together.
   double max_acceleration = RobotModel{}.max_acceleration;
   double corner_step = 0.05;  ///< [m/s] Largest change of the velocity vector at a single corner.
   /// [rad/s] For a robot that must face where it moves, the rate at which it turns; 0 = any other robot.

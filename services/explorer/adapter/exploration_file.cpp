@@ -14,6 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 4;
+constexpr int kOldest = 3;                     // which does not have gone_tight_way
 constexpr std::size_t kMostAside = 2'000'000;  // more voxels than any planner's map has at its border
 constexpr double kMostAmount = 1e8;            // [m] or [s]; three years
 constexpr std::size_t kLongestText = kLongestPlace;
@@ -68,7 +69,8 @@ std::vector<SavedExploration::Aside> AsideFrom(const Json& json) {
 }
 
 SavedExploration From(const Json& json) {
-  if (json.at("version") != kVersion) throw std::runtime_error("written by another version");
+  const int version = json.at("version").get<int>();
+  if (version < kOldest || version > kVersion) throw std::runtime_error("written by another version");
   SavedExploration saved;
   saved.place = TextFrom(json.at("place"));
   if (!json.at("home").is_null()) saved.home_W = PointFrom(json["home"]);
@@ -79,7 +81,7 @@ SavedExploration From(const Json& json) {
     saved.paused =
         PauseCause{NamedFrom(TextFrom(paused.at("reason")), PauseReasonNamed), TextFrom(paused.at("error"))};
   }
-  saved.gone_tight_way = json.at("gone_tight_way").get<bool>();
+  if (version > kOldest) saved.gone_tight_way = json.at("gone_tight_way").get<bool>();
   saved.strategy = TextFrom(json.at("strategy"));
   if (json.at("no_go").size() > NoGoBoxes::kMostDrawn) throw std::runtime_error("too many boxes");
   for (const Json& box : json["no_go"]) {

@@ -389,8 +389,8 @@ void ExplorerService::SaveWhenDue() {
   if (file_.path.empty()) return;
   const Explorer::Standing standing = loop_.explorer().standing();
   std::string commands =
-      fmt::format("{} {} {} {}", loop_.state() == LoopState::kPaused || loop_.state() == LoopState::kDone,
-                  standing.homeward, standing.ignored, standing.strategy);
+      fmt::format("{} {} {} {} {}", loop_.state() == LoopState::kPaused || loop_.state() == LoopState::kDone,
+                  standing.homeward, standing.gone_tight_way, standing.ignored, standing.strategy);
   for (const Eigen::AlignedBox3d& box_W : standing.drawn_no_go) {
     for (const double number : {box_W.min().x(), box_W.min().y(), box_W.min().z(), box_W.max().x(),
                                 box_W.max().y(), box_W.max().z()}) {

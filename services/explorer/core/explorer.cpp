@@ -343,6 +343,7 @@ std::vector<FrontierReport> Explorer::frontier_reports() const {
 Explorer::Standing Explorer::standing() const {
   return {.strategy = targets_.strategy_name(),
           .homeward = mission_.homeward().has_value(),
+          .gone_tight_way = targets_.gone_tight_way(),
           .ignored = asides_.ignored(),
           .drawn_no_go = no_go_.drawn(),
           .in_no_go = no_go_.robot_inside()};

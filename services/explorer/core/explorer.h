@@ -112,10 +112,11 @@ class Explorer {
   /// Continues what an earlier process saved. Before the first map.
   void Restore(const SavedExploration& saved);
 
-  /// What an operator may have changed, as it stands.
+  /// What an operator may have changed, and what a restart must not lose at any time, as it stands.
   struct Standing {
     std::string strategy;                          ///< Name of the one that decides.
     bool homeward = false;                         ///< Whether every plan leads home, for whatever reason.
+    bool gone_tight_way = false;                   ///< See TargetChooser::gone_tight_way.
     std::size_t ignored = 0;                       ///< Voxels.
     std::vector<Eigen::AlignedBox3d> drawn_no_go;  ///< [m] Without those of the options.
     bool in_no_go = false;                         ///< Whether the robot has yet to leave a no-go box.

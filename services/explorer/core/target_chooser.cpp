@@ -134,9 +134,11 @@ Task TargetChooser::DecideWithoutCandidates(const Moment& moment) {
     if (!spent) return Inspect(*view, moment);
   }
   if (spent) return Ended(OutcomeOf(*spent));
+  const bool reaches_little = !moment.finds_itself && IsShutIn(moment.map(), search_.search());
+  if (!moment.finds_itself && !reaches_little) gone_tight_way_ = false;
   // A robot that has gone a tight way may reach less than half from where it is, and is not shut in.
   const bool beyond_tight_way = gone_tight_way_ && search_.search().reached_count() > 0;
-  if (!moment.finds_itself && !beyond_tight_way && IsShutIn(moment.map(), search_.search())) {
+  if (reaches_little && !beyond_tight_way) {
     std::optional<Task> task = LookAtBar(search_.FindHidden(moment.knowledge).bars, moment);
     if (!task) task = WatchShutWay(FindShutWays(moment), moment);
     if (!task) task = GoTightWay(FindTightWays(moment), moment);

@@ -26,8 +26,11 @@ namespace thalweg::explorer {
 /// exploration to be complete because unknown space bars the path that the robot looked into in vain or sees
 /// little of, it looks at the nearest of that from near. Where a way is shut that was open, it watches that
 /// for a while before the end (ShutWays). Where gaps that only fit between voxels lead to more, it goes
-/// through them (FindTightWays). It ends at once where the strategy says that it does not apply, and a
-/// strategy that goes by views says itself when it has come to its end. Threading: one thread owns it.
+/// through them (FindTightWays).
+///
+/// It ends at once where the strategy says that it does not apply, and a strategy that goes by views says
+/// itself when it has come to its end.
+/// Threading: one thread owns it.
 class TargetChooser {
  public:
   /// Throws std::invalid_argument naming the invalid option.
@@ -52,7 +55,8 @@ class TargetChooser {
   const std::string& strategy_name() const { return options_.strategy.name; }
   const Strategy& strategy() const { return *strategy_; }
   Strategy& strategy() { return *strategy_; }
-  /// Whether the robot has gone a tight way, so that what it reached before may be out of reach.
+  /// Whether the robot has set out on a tight way and has not reached most of the map again since, so that
+  /// what it reached before may be out of reach.
   bool gone_tight_way() const { return gone_tight_way_; }
   void RestoreGoneTightWay(bool gone) { gone_tight_way_ = gone; }
   /// As Strategy::left_out, of all strategies so far.

@@ -401,7 +401,7 @@ TEST_F(LoadScenarioTest, AGimbalHasLimitsInOrderAndCarriesTheBodysFrame) {
 }
 
 TEST_F(LoadScenarioTest, LimitedJerkKeepsTheRobotOnItsPath) {
-  // a^3 / (3 j^2) <= 1 cm
+  // a^3 / (6 j^2) <= 1 cm
   EXPECT_EQ(ErrorOf("robot { max_acceleration_mps2: 3 max_jerk_mps3: 30 }"), "");
   EXPECT_EQ(ErrorOf("robot { max_acceleration_mps2: 3 max_jerk_mps3: 0 }"), "");
   EXPECT_EQ(ErrorOf("robot {\n  max_acceleration_mps2: 3\n  max_jerk_mps3: 21\n}"),

@@ -9,8 +9,8 @@
 namespace thalweg::explorer {
 
 /// The gradient of a potential: at the cells' centers, and trilinear interpolation between them, as the
-/// source thesis has it. It does not say from which differences: these are central, and a wall mirrors the
-/// value opposite to it, as in its stencil.
+/// source thesis has it. The thesis does not say from which differences: these are central, and a wall
+/// mirrors the value opposite to it, as in its stencil.
 class GradientField {
  public:
   /// Both grids, over the same box, must outlive this.

@@ -21,7 +21,7 @@ namespace thalweg::explorer {
 /// every strategy. Explored dead ends can be sealed (field/sealed_field.h).
 class Potential final : public Strategy {
  public:
-  /// The defaults are those nearest to the printed method; what none of them has of it PotentialThesis shows.
+  /// The defaults are those nearest to the printed method; PotentialThesis is that method itself.
   struct Options {
     enum class Cluster : std::uint8_t {
       kStreamline,     ///< The one where the streamline of steepest descent from the robot ends.

@@ -132,6 +132,10 @@ PotentialThesis::PotentialThesis(const Options& options) : options_(options) {
   if (!(options.descent.step_cells > 0.0)) throw std::invalid_argument("step_voxels must be > 0");
   if (options.solve && options.relaxation.walls != RelaxationOptions::Walls::kDropped)
     throw std::invalid_argument("solve knows no mirrored walls: with it, walls must be DROPPED");
+  if (options.solve && options.sinks == Options::Sinks::kFrontierVoxels && !options.connected_only) {
+    throw std::invalid_argument(
+        "solve has no slope where no sink is connected with the robot: with it, connected_only must be true");
+  }
   if (options.domain == Options::Domain::kReachable && options.sinks != Options::Sinks::kViewingPlaces) {
     throw std::invalid_argument(
         "domain REACHABLE ends before frontier voxels, into which the body would reach: with it, sinks must "

@@ -43,7 +43,8 @@ class PotentialThesis final : public Strategy {
     };
     Sinks sinks = Sinks::kFrontierVoxels;
     Domain domain = Domain::kFree;
-    /// HarmonicField solves; of `relaxation` only the walls count, which must be kDropped.
+    /// HarmonicField solves, with its own options; of `relaxation` only the walls count, which must be
+    /// kDropped.
     bool solve = false;
     RelaxationOptions relaxation;
     DescentOptions descent;

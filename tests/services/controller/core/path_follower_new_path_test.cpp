@@ -53,5 +53,23 @@ TEST(PathFollower, NewPathStraightOnDoesNotSlowDown) {
   });
 }
 
+TEST(PathFollower, NewPathThatGoesOnInACurveIsJoinedThereAtSpeed) {
+  constexpr double kRadius = 0.2;  // [m] Passed as fast as the lateral acceleration allows.
+  const auto circle = [](int from) {
+    std::vector<RigidTransform> path;
+    for (int n = from; n <= 300; ++n)
+      path.push_back(At(kRadius * std::sin(0.05 * n), kRadius * (1.0 - std::cos(0.05 * n))));
+    return path;
+  };
+  Ride ride(At(0, 0));
+  ride.Follow(circle(0));
+  const double speed = std::sqrt(RobotModel{}.max_acceleration * kRadius);
+  for (int vertex = 40; vertex < 140; vertex += 7) {
+    ride.Until([&](const Motion& motion) { return motion.distance_left < (300 - vertex) * 0.05 * kRadius; });
+    ride.Follow(circle(vertex - 3));
+    for (int tick = 0; tick < 3; ++tick) EXPECT_GT(ride.Tick().speed, 0.99 * speed) << vertex;
+  }
+}
+
 }  // namespace
 }  // namespace thalweg::controller

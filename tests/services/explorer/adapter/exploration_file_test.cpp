@@ -59,7 +59,8 @@ TEST(ExplorationFile, RefusesWhatItDidNotWrite) {
     const Result<SavedExploration> read = DecodeExploration(text);
     return read ? "read" : read.error();
   };
-  EXPECT_THAT(with("\"version\":4", "\"version\":3"), HasSubstr("another version"));
+  EXPECT_THAT(with("\"version\":4", "\"version\":2"), HasSubstr("another version"));
+  EXPECT_THAT(with("\"version\":4", "\"version\":5"), HasSubstr("another version"));
   EXPECT_THAT(with("12.25", "-1.0"), HasSubstr("negative"));
   EXPECT_THAT(with("12.25", "1e300"), HasSubstr("absurd"));
   EXPECT_THAT(with("visited", "bored"), HasSubstr("unknown name"));
@@ -68,6 +69,17 @@ TEST(ExplorationFile, RefusesWhatItDidNotWrite) {
   EXPECT_THAT(with("[1.0,2.0,3.0]", "[1.0,2.0]"), HasSubstr("three numbers"));
   for (std::size_t size = 0; size < good.size(); ++size)
     EXPECT_FALSE(DecodeExploration(good.substr(0, size)));
+}
+
+TEST(ExplorationFile, OfTheVersionBeforeIsReadWithoutWhatItLacks) {
+  std::string text = EncodeExploration(Example());
+  for (const auto& [old, other] : {std::pair<std::string, std::string>("\"version\":4", "\"version\":3"),
+                                   {"\"gone_tight_way\":true,", ""}})
+    text.replace(text.find(old), old.size(), other);
+  const Result<SavedExploration> read = DecodeExploration(text);
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_FALSE(read->gone_tight_way);
+  EXPECT_EQ(read->strategy, "flow");
 }
 
 /// A loop that has been given commands, and one that continues in its place.
@@ -132,6 +144,22 @@ TEST_F(Continued, WhatWasIgnoredStaysSo) {
   ExplorationLoop next = Next();
   Begin(next);
   EXPECT_EQ(test::EndOf(next.plan()), Outcome::kComplete) << "nothing else is left to see";
+}
+
+TEST_F(Continued, ARobotBeyondATightWayStaysSoWhateverTheMapsVoxels) {
+  SavedExploration saved = loop_.Save(now_);
+  saved.gone_tight_way = true;
+  for (const double voxel_size : {0.1, 0.2}) {
+    ExplorationLoop next(test::GoingOptions());
+    next.Restore(saved);
+    MapNews news;
+    news.replaced = true;
+    news.voxel_size = voxel_size;
+    news.changes = test::LongRoom();
+    ASSERT_FALSE(next.OnMap(news, now_));
+    EXPECT_TRUE(next.Save(now_).gone_tight_way);
+    EXPECT_TRUE(next.explorer().standing().gone_tight_way);
+  }
 }
 
 TEST_F(Continued, AnExplorationThatHasEndedDoesNotBeginAgain) {

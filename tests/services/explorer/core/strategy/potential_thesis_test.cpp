@@ -188,6 +188,10 @@ TEST_F(PotentialThesisTest, OptionsThatMakeNoSenseAreRefused) {
   options = {};
   options.solve = true;
   EXPECT_THROW(PotentialThesis{options}, std::invalid_argument) << "walls are mirrored";
+  options.relaxation.walls = RelaxationOptions::Walls::kDropped;
+  EXPECT_NO_THROW(PotentialThesis{options});
+  options.connected_only = false;
+  EXPECT_THROW(PotentialThesis{options}, std::invalid_argument);
 }
 
 }  // namespace
