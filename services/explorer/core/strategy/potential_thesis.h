@@ -21,10 +21,12 @@ namespace thalweg::explorer {
 /// The rules of the loop around it (looking around, scanning on the way, ...) are those of LoopRules; as
 /// printed they are all off.
 ///
-/// Where the printed text is silent: the robot's size is its radius with the safety margin, as for every
-/// strategy; a driving robot's domain is the slice at its height; frontier voxels among grown obstacles, and
-/// the robot's own, do not count. A line that reaches no frontier is followed to its lowest point; where it
-/// has none, the printed robot would stand still, and the exploration ends.
+/// Departure: obstacles are grown by the robot's radius with the safety margin, as for every strategy. The
+/// text has half the radius, with which the body would touch them.
+///
+/// Where the printed text is silent: a driving robot's domain is the slice at its height; frontier voxels
+/// among grown obstacles, and the robot's own, do not count. A line that reaches no frontier is followed to
+/// its lowest point; where it has none, the printed robot would stand still, and the exploration ends.
 ///
 /// One rule is added, and can be switched off: a frontier voxel counts only if steps through the domain
 /// connect it with the robot. Without it the robot never stops where some are cut off: what slope the sweeps
