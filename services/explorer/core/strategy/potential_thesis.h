@@ -29,8 +29,8 @@ namespace thalweg::explorer {
 /// its lowest point; where it has none, the printed robot would stand still, and the exploration ends.
 ///
 /// One rule is added, and can be switched off: a frontier voxel counts only if steps through the domain
-/// connect it with the robot. Without it the robot never stops where some are cut off: what slope the sweeps
-/// leave then leads it to and fro.
+/// connect it with the robot. Without it, what slope the sweeps leave leads the robot to and fro where some
+/// are cut off, until the loop sets them aside; without that, too, it never stops.
 ///
 /// What Potential does otherwise can be had one by one, to see what each is worth: sinks at viewing places,
 /// the candidates of all other strategies, the nearest of which is gone to where no line arrives; as the
