@@ -1,16 +1,24 @@
 /// Repeats on fields of our own what the source thesis reports of its solver [Shade: Choosing Where To Go,
 /// DPhil thesis, Oxford 2011, Ch. 6]: how its sweeps converge beside other solvers (Fig. 6.12), how far its
-/// three integrators stray (Fig. 6.14), and what Algorithm 4 finds. Prints three tables.
+/// three integrators stray (Fig. 6.14), and what Algorithm 4 finds. Prints three tables, and draws the first
+/// two.
+#include <CLI/CLI.hpp>
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
+#include <iostream>
 #include <numbers>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
+#include "common/base/stopwatch.h"
+#include "common/drawing/canvas.h"
+#include "services/cli/report/chart.h"
 #include "services/explorer/core/field/descent.h"
 #include "services/explorer/core/field/isovolume.h"
 #include "services/explorer/core/field/relaxation.h"
@@ -113,31 +121,77 @@ double Ours(const FieldMap& map, int iterations) {
   return RelativeResidual(map, phi);
 }
 
-void CompareConvergence(const FieldMap& map) {
+/// The largest change of the last of so many sweeps, relative to the value before it.
+double LastRelativeChange(const FieldMap& map, Sweep sweep, int sweeps) {
+  const auto after = [&](int n) {
+    return Relax(map, {.sweep = sweep, .walls = Walls::kDropped, .largest_change = 0.0, .max_sweeps = n}).phi;
+  };
+  const Phi before = after(sweeps - 1);
+  const Phi now = after(sweeps);
+  double largest = 0.0;
+  for (std::size_t k = 0; k < map.size(); ++k) {
+    if (map[k] == FieldCell::kFree && now[k] != before[k])
+      largest = std::max(largest, std::abs((now[k] - before[k]) / before[k]));
+  }
+  return largest;
+}
+
+void WritePicture(const std::filesystem::path& file, const Canvas& canvas) {
+  if (!cv::imwrite(file.string(), canvas.Picture()))
+    throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+/// @param pictures  Where to draw them; empty: nowhere.
+void CompareConvergence(const FieldMap& map, const std::filesystem::path& pictures) {
+  constexpr double kMostDigits = 8.0;
   std::printf("Relative residual after so many sweeps or iterations, %d x %d cells\n", map.box().size_x(),
               map.box().size_y());
   std::printf("%8s %12s %12s %12s %12s %12s\n", "", "Jacobi", "Gauss-Seidel", "SOR", "CG", "ours");
+  std::vector<cli::Chart::Series> series{{"Jacobi", colors::kBad, {}},
+                                         {"Gauss-Seidel", colors::kInk, {}},
+                                         {"over-relaxed", colors::kMuted, {}},
+                                         {"conjugate gradients", colors::kAccent, {}},
+                                         {"ours", colors::kGood, {}}};
   Phi over_relaxed = StartOf(map);
   int swept = 0;
-  for (const int n : {3, 10, 30, 100, 230, 1000, 3000, 10000}) {
+  for (const int n : {1, 2, 3, 5, 10, 20, 30, 50, 100, 230, 500, 1000, 2000, 3000, 5000, 10000}) {
     for (; swept < n; ++swept) SweepOverRelaxed(map, 100, over_relaxed);
     const auto relaxed = [&](Sweep sweep) {
       return RelativeResidual(
           map,
           Relax(map, {.sweep = sweep, .walls = Walls::kDropped, .largest_change = 0.0, .max_sweeps = n}).phi);
     };
-    std::printf("%8d %12.1e %12.1e %12.1e %12.1e %12.1e\n", n, relaxed(Sweep::kJacobi),
-                relaxed(Sweep::kGaussSeidel), RelativeResidual(map, over_relaxed), ConjugateGradients(map, n),
-                Ours(map, n));
+    const std::vector<double> residuals{relaxed(Sweep::kJacobi), relaxed(Sweep::kGaussSeidel),
+                                        RelativeResidual(map, over_relaxed), ConjugateGradients(map, n),
+                                        Ours(map, n)};
+    std::printf("%8d", n);
+    for (std::size_t column = 0; column < residuals.size(); ++column) {
+      std::printf(" %12.1e", residuals[column]);
+      series[column].points.emplace_back(std::log10(n),
+                                         std::clamp(-std::log10(residuals[column]), 0.0, kMostDigits));
+    }
+    std::printf("\n");
   }
   for (const Sweep sweep : {Sweep::kJacobi, Sweep::kGaussSeidel}) {
+    const char* const name = sweep == Sweep::kJacobi ? "Jacobi" : "Gauss-Seidel";
+    std::printf("%s: the largest relative change of sweep 230 is %.1e\n", name,
+                LastRelativeChange(map, sweep, 230));
     for (const double change : {1e-4, 1e-5}) {
       const Relaxation its = Relax(map, {.sweep = sweep, .walls = Walls::kDropped, .largest_change = change});
-      std::printf("%s stops at a largest relative change of %.0e after %d sweeps, residual %.1e\n",
-                  sweep == Sweep::kJacobi ? "Jacobi" : "Gauss-Seidel", change, its.sweeps,
-                  RelativeResidual(map, its.phi));
+      std::printf("%s stops at a largest relative change of %.0e after %d sweeps, residual %.1e\n", name,
+                  change, its.sweeps, RelativeResidual(map, its.phi));
     }
   }
+  if (pictures.empty()) return;
+  Canvas canvas(900, 560);
+  cli::DrawChart(canvas, {.x = 20, .y = 20, .width = 860, .height = 520},
+                 {.title = "How solvers converge in a plan of 100 x 100 cells with three rooms",
+                  .x_label = "sweeps or iterations, log10",
+                  .y_label = "-log10 of the relative residual, drawn up to 8",
+                  .y_max = kMostDigits,
+                  .x_max = 4.0,
+                  .series = std::move(series)});
+  WritePicture(pictures / "convergence.png", canvas);
 }
 
 /// [cells] From a point to the nearest one on a polyline.
@@ -152,7 +206,41 @@ double DistanceTo(const std::vector<Eigen::Vector3d>& line, const Eigen::Vector3
   return least;
 }
 
-void CompareIntegrators(const FieldMap& map) {
+/// The plan with phi as shade and the lines of all integrators with steps of one cell.
+void DrawIntegrators(const FieldMap& map, const Phi& phi, const std::filesystem::path& file) {
+  constexpr double kCell = 6.0;     // [px]
+  constexpr double kMargin = 20.0;  // [px]
+  constexpr double kStep = 1.0;     // [cells]
+  const int size = map.box().size_x();
+  const double edge = kCell * size;
+  Canvas canvas(static_cast<int>(edge + 2.0 * kMargin), static_cast<int>(edge + 2.0 * kMargin) + 40);
+  cv::Mat plan(size, size, CV_8UC3);
+  for (std::size_t k = 0; k < map.size(); ++k) {
+    const VoxelIndex i = map.IndexAt(k);
+    const auto shade = static_cast<std::uint8_t>(map[k] == FieldCell::kWall ? 60 : 205 + 45 * phi[k]);
+    plan.at<cv::Vec3b>(size - 1 - i.y, i.x) =
+        IsSink(map[k]) ? cv::Vec3b(90, 200, 90) : cv::Vec3b(shade, shade, shade);
+  }
+  canvas.Image({.x = kMargin, .y = kMargin, .width = edge, .height = edge}, plan);
+  double legend = kMargin;
+  const auto draw = [&](const char* name, const cv::Scalar& color, double thickness, Integrator integrator) {
+    std::vector<cv::Point2d> points;
+    const Streamline line =
+        FollowDescent(map, phi, 1.0, {15, 15, 0}, {.integrator = integrator, .step_cells = kStep});
+    for (const Eigen::Vector3d& p : line.points_W)
+      points.emplace_back(kMargin + kCell * p.x(), kMargin + edge - kCell * p.y());
+    canvas.Polyline(points, color, thickness);
+    legend = canvas.Swatch({legend, 2.0 * kMargin + edge + 10.0}, color, name);
+  };
+  draw("Euler", colors::kBad, 2.0, Integrator::kEuler);
+  draw("improved Euler", colors::kAccent, 4.0, Integrator::kImprovedEuler);
+  draw("Runge-Kutta 4", colors::kGood, 1.5, Integrator::kRungeKutta4);
+  canvas.Text("steps of one cell; frontier in green", {kMargin + edge, 2.0 * kMargin + edge + 14.0}, 8.0,
+              colors::kMuted, Align::kRight);
+  WritePicture(file, canvas);
+}
+
+void CompareIntegrators(const FieldMap& map, const std::filesystem::path& pictures) {
   const Phi phi = Relax(map, {.largest_change = 1e-12}).phi;
   const auto follow = [&](Integrator integrator, double step) {
     return FollowDescent(map, phi, 1.0, {15, 15, 0}, {.integrator = integrator, .step_cells = step});
@@ -175,6 +263,7 @@ void CompareIntegrators(const FieldMap& map) {
     }
     std::printf("\n");
   }
+  if (!pictures.empty()) DrawIntegrators(map, phi, pictures / "integrators.png");
 }
 
 /// What leaves the source, in a field that is solved to 1e-9.
@@ -199,9 +288,11 @@ void SealByIsovolumes() {
   for (std::size_t k = 0; k < map.size(); ++k) free += map[k] == FieldCell::kFree ? 1 : 0;
   const double flux = Flux(map);
   std::printf("\nAlgorithm 4 in a comb of 20 explored rooms, %zu free cells\n", free);
-  std::printf("%24s %14s %10s\n", "phi after", "in isovolumes", "flux kept");
+  std::printf("%24s %14s %10s %18s\n", "phi after", "in isovolumes", "flux kept", "ms to find them");
   const auto report = [&](const std::string& after, const Phi& phi) {
+    const Stopwatch watch;
     const DenseGrid<std::uint8_t> found = AllIsovolumes(map, phi);
+    const double ms = watch.Milliseconds();
     FieldMap sealed = map;
     std::size_t count = 0;
     for (std::size_t k = 0; k < map.size(); ++k) {
@@ -209,8 +300,9 @@ void SealByIsovolumes() {
       sealed[k] = FieldCell::kWall;
       ++count;
     }
-    std::printf("%24s %12.1f %% %8.1f %%\n", after.c_str(),
-                100.0 * static_cast<double>(count) / static_cast<double>(free), 100.0 * Flux(sealed) / flux);
+    std::printf("%24s %12.1f %% %8.1f %% %18.1f\n", after.c_str(),
+                100.0 * static_cast<double>(count) / static_cast<double>(free), 100.0 * Flux(sealed) / flux,
+                ms);
   };
   for (const int n : {1, 10, 100, 1000, 10'000})
     report(std::to_string(n) + " sweeps", Relax(map, {.max_sweeps = n}).phi);
@@ -225,11 +317,21 @@ void SealByIsovolumes() {
 }  // namespace
 }  // namespace thalweg::explorer
 
-int main() {
+int main(int argc, char** argv) {
   using namespace thalweg::explorer;
+  CLI::App app("What the source thesis reports of its solver, on fields of our own");
+  std::filesystem::path pictures;
+  app.add_option("--pictures", pictures, "Folder for convergence.png and integrators.png")
+      ->check(CLI::ExistingDirectory);
+  CLI11_PARSE(app, argc, argv);
   std::setvbuf(stdout, nullptr, _IOLBF, 0);  // a table takes minutes
-  const auto map = ThreeRooms();
-  CompareConvergence(map);
-  CompareIntegrators(map);
-  SealByIsovolumes();
+  try {
+    const auto map = ThreeRooms();
+    CompareConvergence(map, pictures);
+    CompareIntegrators(map, pictures);
+    SealByIsovolumes();
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << "\n";
+    return 1;
+  }
 }
