@@ -183,8 +183,12 @@ std::vector<VoxelIndex> PathSearch::PathTo(const VoxelIndex& goal) const {
   std::vector<VoxelIndex> path = {goal};
   const auto at_entry = [&] {
     if (Cost(path.back()) == 0) return true;  // as only entries have
-    const auto entries = std::ranges::equal_range(start_, Cost(path.back()), {}, &Entry::cost);
-    return std::ranges::find(entries, path.back(), &Entry::voxel) != entries.end();
+    const std::uint32_t cost = Cost(path.back());
+    auto entry = std::ranges::lower_bound(start_, cost, {}, &Entry::cost);
+    for (; entry != start_.end() && entry->cost == cost; ++entry) {
+      if (entry->voxel == path.back()) return true;
+    }
+    return false;
   };
   while (!at_entry()) {
     const std::uint32_t cost = Cost(path.back());

@@ -442,12 +442,20 @@ class LatePlayerTest : public testing::Test {
     playing = std::jthread([this](const std::stop_token& stop) { player->Run(stop); });
   }
   ~LatePlayerTest() override { std::filesystem::remove(file_); }
-  /// Plays until its rate would have brought it to the end.
+  /// Plays until its rate would have brought it to the end, and a message that late has been published.
+  /// Between two messages the player does not know how late the next one is.
   void PlayUntilItIsLate() {
     player->Resume();
-    while (player->progress().now == kBegin) std::this_thread::yield();
+    AwaitNext();
     const auto begin = std::chrono::steady_clock::now();
     while (std::chrono::steady_clock::now() < begin + 2ms) std::this_thread::yield();
+    AwaitNext();  // was perhaps published before
+    AwaitNext();
+  }
+  /// Waits until another message is the next; not beyond the end.
+  void AwaitNext() {
+    const Time before = player->progress().now;
+    while (player->progress().now == before && before < *recording->end()) std::this_thread::yield();
   }
   /// Ends the replay. Returns the log time of the message that would have come next.
   Time NextAtTheEnd() {
