@@ -249,6 +249,14 @@ struct Field {
   static constexpr auto kDelivery = Delivery::kStream;
   static constexpr auto kMostBytes = kMostImageBytes;
 };
+/// Centers of the voxels that the strategy has sealed: explored dead ends that its potential does without.
+/// Published with the field, while somebody listens.
+struct Sealed {
+  using Message = sensor_msgs::msg::PointCloud2;
+  static constexpr auto kName = "explorer/sealed";
+  static constexpr auto kDelivery = Delivery::kStream;
+  static constexpr auto kMostBytes = kMostImageBytes;
+};
 /// The strategy's path, before it is shortened and moved away from walls to become `explorer/path`.
 struct Streamline {
   using Message = nav_msgs::msg::Path;
@@ -353,7 +361,7 @@ using All =
                OdometryStatus, DepthPoints, DepthImage, DepthCameraInfo, LeftImage, RightImage,
                LeftCameraInfo, RightCameraInfo, Disparity, MapUpdates, MapRequests, Octomap, OccupiedPoints,
                ColoredPoints, SurfaceUpdates, SurfaceRequests, SurfaceStatus, SurfaceRifts, RiftMarkers, Path,
-               ExplorationStatus, Frontiers, FrontierMarkers, Field, Streamline, OperatorCommands,
+               ExplorationStatus, Frontiers, FrontierMarkers, Field, Sealed, Streamline, OperatorCommands,
                CommandReplies, PoseCommand, VelocityCommand, StampedVelocityCommand, Trajectory, MotionStatus,
                SimulationStatus, Health, Log, LinkUp, LinkDown, ReplayCommands, ReplayStatus>;
 

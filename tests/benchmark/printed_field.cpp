@@ -1,7 +1,6 @@
 /// Repeats on fields of our own what the source thesis reports of its solver [Shade: Choosing Where To Go,
 /// DPhil thesis, Oxford 2011, Ch. 6]: how its sweeps converge beside other solvers (Fig. 6.12), how far its
-/// three integrators stray (Fig. 6.14), and what Algorithm 4 finds. Prints three tables, and draws the first
-/// two.
+/// three integrators stray (Fig. 6.14), and what Algorithm 4 finds. Prints three tables, and draws each.
 #include <CLI/CLI.hpp>
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCore>
@@ -14,6 +13,7 @@
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/stopwatch.h"
@@ -22,6 +22,7 @@
 #include "services/explorer/core/field/descent.h"
 #include "services/explorer/core/field/isovolume.h"
 #include "services/explorer/core/field/relaxation.h"
+#include "services/explorer/core/field/sealed_field.h"
 #include "tests/support/random_maps.h"
 
 namespace thalweg::explorer {
@@ -280,9 +281,72 @@ double Flux(const FieldMap& map) {
   return flux;
 }
 
+using Found = DenseGrid<std::uint8_t>;  // nonzero = sealed
+
+/// What our own rule seals of the same map.
+Found SealedByFlux(const FieldMap& map) {
+  SealedField field;
+  FieldMap cells = map;
+  field.Solve(cells, {});
+  Found found(map.box(), 0);
+  for (const VoxelIndex& cell : field.sealed()) found[cell] = 1;
+  return found;
+}
+
+/// The map from above, once for each way to seal. A column of cells is sealed if most of what is free in it
+/// is.
+void DrawSealed(const FieldMap& map, const std::vector<std::pair<std::string, Found>>& ways,
+                const std::filesystem::path& file) {
+  constexpr double kCell = 2.0;     // [px]
+  constexpr double kMargin = 20.0;  // [px]
+  constexpr double kTitle = 22.0;   // [px]
+  const VoxelBox& box = map.box();
+  const double width = kCell * box.size_x();
+  const double height = kCell * box.size_y();
+  const double pitch = height + kTitle + kMargin;
+  Canvas canvas(static_cast<int>(width + 2.0 * kMargin),
+                static_cast<int>(kMargin + pitch * static_cast<double>(ways.size()) + 24.0));
+  double top = kMargin;
+  for (const auto& [name, found] : ways) {
+    canvas.Text(name, {kMargin, top + 12.0}, 9.0, colors::kInk);
+    cv::Mat plan(box.size_y(), box.size_x(), CV_8UC3);
+    for (int y = 0; y < box.size_y(); ++y) {
+      for (int x = 0; x < box.size_x(); ++x) {
+        int free = 0;
+        int sealed = 0;
+        bool is_source = false;
+        bool is_sink = false;
+        for (int z = 0; z < box.size_z(); ++z) {
+          const VoxelIndex cell = box.min + VoxelIndex{x, y, z};
+          is_source = is_source || map[cell] == FieldCell::kSource;
+          is_sink = is_sink || IsSink(map[cell]);
+          if (map[cell] != FieldCell::kFree) continue;
+          ++free;
+          sealed += found[cell] != 0 ? 1 : 0;
+        }
+        const cv::Scalar& color = is_source           ? colors::kBad
+                                  : is_sink           ? colors::kAccent
+                                  : free == 0         ? colors::kMuted
+                                  : 2 * sealed > free ? colors::kGood
+                                                      : colors::kPanel;
+        plan.at<cv::Vec3b>(box.size_y() - 1 - y, x) =
+            cv::Vec3b(static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]),
+                      static_cast<std::uint8_t>(color[2]));
+      }
+    }
+    canvas.Image({.x = kMargin, .y = top + kTitle, .width = width, .height = height}, plan);
+    top += pitch;
+  }
+  double legend = kMargin;
+  legend = canvas.Swatch({legend, top + 6.0}, colors::kGood, "sealed");
+  legend = canvas.Swatch({legend, top + 6.0}, colors::kBad, "robot");
+  canvas.Swatch({legend, top + 6.0}, colors::kAccent, "frontier");
+  WritePicture(file, canvas);
+}
+
 /// Twenty explored rooms along a corridor, the robot and the last frontier in one of them. Not to the printed
 /// stop, which takes more than a hundred thousand sweeps here.
-void SealByIsovolumes() {
+void SealByIsovolumes(const std::filesystem::path& pictures) {
   const FieldMap map = testing::Comb::Explored(20);
   std::size_t free = 0;
   for (std::size_t k = 0; k < map.size(); ++k) free += map[k] == FieldCell::kFree ? 1 : 0;
@@ -291,7 +355,7 @@ void SealByIsovolumes() {
   std::printf("%24s %14s %10s %18s\n", "phi after", "in isovolumes", "flux kept", "ms to find them");
   const auto report = [&](const std::string& after, const Phi& phi) {
     const Stopwatch watch;
-    const DenseGrid<std::uint8_t> found = AllIsovolumes(map, phi);
+    const Found found = AllIsovolumes(map, phi);
     const double ms = watch.Milliseconds();
     FieldMap sealed = map;
     std::size_t count = 0;
@@ -303,15 +367,23 @@ void SealByIsovolumes() {
     std::printf("%24s %12.1f %% %8.1f %% %18.1f\n", after.c_str(),
                 100.0 * static_cast<double>(count) / static_cast<double>(free), 100.0 * Flux(sealed) / flux,
                 ms);
+    return found;
   };
+  Found unfinished(map.box(), 0);
   for (const int n : {1, 10, 100, 1000, 10'000})
-    report(std::to_string(n) + " sweeps", Relax(map, {.max_sweeps = n}).phi);
+    unfinished = report(std::to_string(n) + " sweeps", Relax(map, {.max_sweeps = n}).phi);
   const DenseGrid<float> solved = HarmonicField().Solve(map, {.relative_residual = 1e-9});
   Phi rounded = StartOf(map);
   for (std::size_t k = 0; k < map.size(); ++k) {
     if (map[k] == FieldCell::kFree) rounded[k] = std::round(1e5 * static_cast<double>(solved[k])) / 1e5;
   }
-  report("solved, to five digits", rounded);
+  const Found finished = report("solved, to five digits", rounded);
+  if (pictures.empty()) return;
+  DrawSealed(map,
+             {{"Algorithm 4, phi after 10 000 sweeps", unfinished},
+              {"Algorithm 4, phi solved", finished},
+              {"by the flux through the rim, phi solved", SealedByFlux(map)}},
+             pictures / "sealed.png");
 }
 
 }  // namespace
@@ -321,7 +393,7 @@ int main(int argc, char** argv) {
   using namespace thalweg::explorer;
   CLI::App app("What the source thesis reports of its solver, on fields of our own");
   std::filesystem::path pictures;
-  app.add_option("--pictures", pictures, "Folder for convergence.png and integrators.png")
+  app.add_option("--pictures", pictures, "Folder for convergence.png, integrators.png and sealed.png")
       ->check(CLI::ExistingDirectory);
   CLI11_PARSE(app, argc, argv);
   std::setvbuf(stdout, nullptr, _IOLBF, 0);  // a table takes minutes
@@ -329,7 +401,7 @@ int main(int argc, char** argv) {
     const auto map = ThreeRooms();
     CompareConvergence(map, pictures);
     CompareIntegrators(map, pictures);
-    SealByIsovolumes();
+    SealByIsovolumes(pictures);
   } catch (const std::exception& error) {
     std::cerr << error.what() << "\n";
     return 1;

@@ -78,7 +78,8 @@ ControllerService::ControllerService(const ControllerOptions& options, dds::Bus&
     : bus_(bus),
       status_period_(FromSeconds(1.0 / options.status_rate)),
       pose_gate_(options.pose_gate),
-      follower_(options.follower),
+      gimballed_(options.follower.robot.gimballed()),
+      controller_(MakeController(options.type, options.follower)),
       pose_out_(bus.Advertise<topics::PoseCommand>()),
       velocity_out_(bus.Advertise<topics::VelocityCommand>()),
       stamped_velocity_out_(bus.Advertise<topics::StampedVelocityCommand>()),
@@ -99,7 +100,7 @@ ControllerService::ControllerService(const ControllerOptions& options, dds::Bus&
 void ControllerService::OnPath(const nav_msgs::msg::Path& message) {
   Result<dds::StampedPath> path = dds::FromIdl(message);
   if (!path) return bus_.health().Reject<topics::Path>(path.error());
-  follower_.SetPath(path->stamp, std::move(path->T_WBs), bus_.Now());
+  controller_->SetPath(path->stamp, std::move(path->T_WBs), bus_.Now());
 }
 
 void ControllerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
@@ -114,25 +115,25 @@ void ControllerService::OnOdometry(const nav_msgs::msg::Odometry& message) {
   if (const auto jump = pose_gate_.Refuse(pose->T, pose->stamp)) {
     return bus_.health().Drop<topics::Odometry>(JumpText(*jump));
   }
-  follower_.SetPose(pose->T, pose->stamp);
+  controller_->SetPose(pose->T, pose->stamp);
 }
 
 void ControllerService::OnOdometryStatus(const thalweg_msgs::msg::OdometryStatus& message) {
   const Result<Time> stamp = dds::FromIdl(message.header().stamp());
   if (!stamp) return bus_.health().Reject<topics::OdometryStatus>(stamp.error());
-  follower_.SetLost(message.state() == thalweg_msgs::msg::ODOMETRY_LOST, *stamp);
+  controller_->SetLost(message.state() == thalweg_msgs::msg::ODOMETRY_LOST, *stamp);
 }
 
 /// A robot whose exploration has ended, or is paused, is where it is to be: silence does not make it go back.
 void ControllerService::OnExploration(const thalweg_msgs::msg::ExplorationStatus& message) {
-  follower_.SetStays(message.state() == thalweg_msgs::msg::EXPLORATION_DONE ||
-                     message.state() == thalweg_msgs::msg::EXPLORATION_PAUSED);
+  controller_->SetStays(message.state() == thalweg_msgs::msg::EXPLORATION_DONE ||
+                        message.state() == thalweg_msgs::msg::EXPLORATION_PAUSED);
 }
 
 void ControllerService::OnMapUpdate(const thalweg_msgs::msg::MapUpdate& message) {
   const auto applied = map_.Apply(message);
   if (!applied) return bus_.health().Reject<topics::MapUpdates>(applied.error());
-  if (*applied) follower_.SetMap(map_.grid(), bus_.Now());
+  if (*applied) controller_->SetMap(map_.grid(), bus_.Now());
 }
 
 void ControllerService::AskForMap() {
@@ -142,15 +143,14 @@ void ControllerService::AskForMap() {
 void ControllerService::OnTick() {
   const Time now = bus_.Now();
   const auto start = std::chrono::steady_clock::now();
-  const Motion motion = follower_.Step(now);
+  const Motion motion = controller_->Step(now);
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   bus_.health().Timed("command", took.count());
   if (motion.command) {
     pose_out_.Write(dds::PoseStampedToIdl(now, motion.command->T_WB));
     const auto twist = dds::TwistToIdl(motion.command->v_WB_B, motion.command->w_WB_B);
-    const bool gimballed = follower_.options().robot.gimballed();
     const MotionCommand level = motion.command->Leveled();
-    velocity_out_.Write(gimballed ? dds::TwistToIdl(level.v_WB_B, level.w_WB_B) : twist);
+    velocity_out_.Write(gimballed_ ? dds::TwistToIdl(level.v_WB_B, level.w_WB_B) : twist);
     stamped_velocity_out_.Write(dds::TwistStampedToIdl(now, twist));
   }
   LogStop(motion);
@@ -164,7 +164,7 @@ void ControllerService::PublishTrajectory(Time now) {
   trajectory_sent_ = now;
   if (trajectory_out_.readers() == 0) return;
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<TrajectoryPoint> points = follower_.Preview(kTrajectoryStep, kTrajectoryHorizon);
+  const std::vector<TrajectoryPoint> points = controller_->Preview(kTrajectoryStep, kTrajectoryHorizon);
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   bus_.health().Timed("trajectory", took.count());
   if (!points.empty()) trajectory_out_.Write(TrajectoryToIdl(now, points));

@@ -1,19 +1,21 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "common/dds/bus.h"
 #include "common/dds/map_replica.h"
 #include "services/controller/adapter/options.h"
-#include "services/controller/core/path_follower.h"
+#include "services/controller/core/motion_controller.h"
 
 namespace thalweg::controller {
 
-/// Runs the path follower on the bus: reads the path, the map if paths are checked, the exploration's state,
-/// odometry and odometry status, and publishes pose commands, velocity commands and the motion status at a
-/// fixed rate of the bus's clock, and while somebody listens the motion to come.
+/// Runs a motion controller on the bus: reads the path, the map if paths are checked, the exploration's
+/// state, odometry and odometry status, and publishes pose commands, velocity commands and the motion status
+/// at a fixed rate of the bus's clock, and while somebody listens the motion to come.
 class ControllerService {
  public:
+  /// Throws std::invalid_argument naming the invalid option.
   ControllerService(const ControllerOptions& options, dds::Bus& bus);
 
  private:
@@ -32,7 +34,8 @@ class ControllerService {
   Duration status_period_;
   PoseGate pose_gate_;
   dds::MapReplica map_;  ///< Empty unless paths are checked.
-  PathFollower follower_;
+  const bool gimballed_;
+  std::unique_ptr<MotionController> controller_;
   dds::Bus::Publisher<dds::topics::PoseCommand> pose_out_;
   dds::Bus::Publisher<dds::topics::VelocityCommand> velocity_out_;
   dds::Bus::Publisher<dds::topics::StampedVelocityCommand> stamped_velocity_out_;

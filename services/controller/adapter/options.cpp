@@ -22,6 +22,9 @@ void Visit(OptionVisitor& visitor, ControllerOptions& options) {
   visitor.Number("cut_off_after_s", options.follower.cut_off.after);
   visitor.Number("retreat_step_m", options.follower.cut_off.step);
   visitor.Switch("check_paths", options.check_paths);
+  visitor.Choice(
+      "type", options.type,
+      {{"PATH_FOLLOWER", ControllerType::kPathFollower}, {"STOP_AND_TURN", ControllerType::kStopAndTurn}});
 }
 
 ControllerOptions OptionsFrom(const Scenario& scenario) {

@@ -5,12 +5,13 @@
 #include "common/base/option_visitor.h"
 #include "common/scenario/mistakes.h"
 #include "common/scenario/scenario.h"
-#include "services/controller/core/path_follower.h"
+#include "services/controller/core/controller_type.h"
 #include "services/controller/core/pose_gate.h"
 
 namespace thalweg::controller {
 
 struct ControllerOptions {
+  ControllerType type = ControllerType::kPathFollower;
   PathFollower::Options follower;
   PoseGate::Options pose_gate;
   bool check_paths = false;   ///< Whether paths are checked against the map.

@@ -34,12 +34,6 @@ double BrakingSpeed(double left, double deceleration) {
 
 }  // namespace
 
-MotionCommand MotionCommand::Leveled() const {
-  const RigidTransform level = thalweg::Leveled(T_WB_of_velocities);
-  const Eigen::Matrix3d R_LB = level.linear().transpose() * T_WB_of_velocities.linear();
-  return {.T_WB = T_WB, .v_WB_B = R_LB * v_WB_B, .w_WB_B = R_LB * w_WB_B, .T_WB_of_velocities = level};
-}
-
 PathFollower::PathFollower(const Options& options)
     : options_(options),
       max_lead_(options.robot.max_speed * (0.5 * options.robot.max_speed / options.robot.max_acceleration +

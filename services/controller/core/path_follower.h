@@ -8,6 +8,7 @@
 #include "common/geometry/rigid_transform.h"
 #include "common/geometry/robot_model.h"
 #include "services/controller/core/cut_off.h"
+#include "services/controller/core/motion_controller.h"
 #include "services/controller/core/orientation.h"
 #include "services/controller/core/path_check.h"
 #include "services/controller/core/retreat.h"
@@ -15,63 +16,6 @@
 #include "services/controller/core/track.h"
 
 namespace thalweg::controller {
-
-/// The pose at which the robot should be now, and the velocity at which it should move.
-struct MotionCommand {
-  RigidTransform T_WB;
-  Eigen::Vector3d v_WB_B = Eigen::Vector3d::Zero();  ///< [m/s]
-  Eigen::Vector3d w_WB_B = Eigen::Vector3d::Zero();  ///< [rad/s]
-
-  /// The pose of the body in whose frame the velocities are: where the robot is, not where it is to be.
-  RigidTransform T_WB_of_velocities = RigidTransform::Identity();
-
-  /// The same velocities in the level frame with that body's heading, for a base that carries a gimbal: its
-  /// turn is about z, the gimbal's about y, positive downward.
-  MotionCommand Leveled() const;
-};
-
-enum class MotionState : std::uint8_t { kIdle, kFollowing, kDone, kStopped };
-
-/// Why the robot does not move along its path, or what it waits for.
-enum class StopReason : std::uint8_t {
-  kNone,
-  kNoPath,             ///< There has been none yet.
-  kNoPose,             ///< Likewise.
-  kNoMap,              ///< There is none yet to check the path with.
-  kEmptyPath,          ///< The explorer stops the robot.
-  kPathSilent,         ///< No path has been heard for a while.
-  kGoingOn,            ///< Likewise; the robot follows the last one, which its own map allows.
-  kGoingBack,          ///< Nor since; the robot goes back to Motion::back.
-  kWentBack,           ///< It waits there.
-  kPoseSilent,         ///< No pose has been heard for a while.
-  kLost,               ///< The odometry is lost.
-  kRetreating,         ///< Likewise; the robot goes back to the last known poses.
-  kOffPath,            ///< The robot is too far from the path.
-  kThroughSolid,       ///< The path leads through Motion::obstacle_W, which is known to be solid.
-  kBlocked,            ///< The robot does not follow the command.
-  kWaitingForArrival,  ///< The command is at the end of the path, the robot is not yet.
-};
-
-struct Motion {
-  MotionState state = MotionState::kIdle;
-  StopReason reason = StopReason::kNone;
-  std::optional<BackPlace> back = {};              ///< Where the robot goes back to, or waits.
-  std::optional<Eigen::Vector3d> obstacle_W = {};  ///< Center of the first solid voxel on the path.
-  Time path_id = {};                               ///< The epoch when there is no path.
-  double distance_done = 0.0;                      ///< [m] along the path since the robot joined it.
-  double distance_left = 0.0;                      ///< [m]
-  double speed = 0.0;                              ///< [m/s] commanded
-  std::optional<MotionCommand> command = {};       ///< Empty until there has been a path and a pose.
-};
-
-/// A moment of a motion to come.
-struct TrajectoryPoint {
-  double time = 0.0;  ///< [s] from its beginning.
-  RigidTransform T_WB;
-  Eigen::Vector3d v_W = Eigen::Vector3d::Zero();  ///< [m/s]
-  Eigen::Vector3d w_W = Eigen::Vector3d::Zero();  ///< [rad/s]
-  Eigen::Vector3d a_W = Eigen::Vector3d::Zero();  ///< [m/s^2]
-};
 
 /// Leads the robot along a path by moving a pose command exactly along its polyline, within limits of speed,
 /// acceleration and turn rate. If jerk is limited, too, the command's position is the mean of that over the
@@ -96,7 +40,7 @@ struct TrajectoryPoint {
 /// beyond what has been checked against it (see PathCheck).
 ///
 /// Threading: one thread.
-class PathFollower {
+class PathFollower final : public MotionController {
  public:
   struct Options {
     RobotModel robot = {};          ///< Its rates, how it moves, and its jerk, if that is limited.
@@ -121,28 +65,13 @@ class PathFollower {
   /// Throws std::invalid_argument naming the invalid option.
   explicit PathFollower(const Options& options);
 
-  /// Sets the path. A path with the same `id` as before only confirms that the path is still valid; a new one
-  /// is joined from where the robot is. @param T_WBs  Finite; empty = stop.
-  void SetPath(Time id, std::vector<RigidTransform> T_WBs, Time now);
-  /// Sets the robot's pose. @param T_WB  Finite. @param stamp  One that is ahead of the clock counts as now.
-  void SetPose(const RigidTransform& T_WB, Time stamp);
-  /// Sets whether the odometry reports that it is lost. Must be repeated while it is lost, because a report
-  /// expires.
-  void SetLost(bool lost, Time stamp);
-  /// Sets the map against which paths are checked. Must be called after each update of it.
-  /// @param map  Must outlive the follower.
-  void SetMap(const OccupancyGrid& map, Time now);
-  /// Sets whether the robot is to stay where it is, even if its explorer falls silent: the exploration has
-  /// ended, or an operator has paused it.
-  void SetStays(bool stays) { stays_ = stays; }
-
-  /// Advances to `now`; must be called often. A gap of more than 0.1 s counts as 0.1 s.
-  Motion Step(Time now);
-
-  /// How the command moves from the last step on if the robot follows it and all that was heard last stays
-  /// so: along the path, for `horizon` [s] at most, and to a stop. Ends at rest. @param step  [s] Between the
-  /// points, > 0. @return Empty while there is no command; one point for a robot that is to stand.
-  std::vector<TrajectoryPoint> Preview(double step, double horizon) const;
+  void SetPath(Time id, std::vector<RigidTransform> T_WBs, Time now) override;
+  void SetPose(const RigidTransform& T_WB, Time stamp) override;
+  void SetLost(bool lost, Time stamp) override;
+  void SetMap(const OccupancyGrid& map, Time now) override;
+  void SetStays(bool stays) override { stays_ = stays; }
+  Motion Step(Time now) override;
+  std::vector<TrajectoryPoint> Preview(double step, double horizon) const override;
 
   const Options& options() const { return options_; }
 

@@ -13,6 +13,7 @@
 #include "common/files/write_file.h"
 #include "common/files/write_picture.h"
 #include "common/scenario/models.h"
+#include "services/controller/adapter/options.h"
 #include "services/evaluator/adapter/file_hash.h"
 #include "services/evaluator/adapter/stereo_options.h"
 #include "services/evaluator/core/flown_trajectory.h"
@@ -72,6 +73,7 @@ LockstepOptions Scene::Options(const std::string& strategy, int seed, PoseSource
                                MotionModel motion) const {
   LockstepOptions options;
   options.motion = motion;
+  options.controller = controller::OptionsFrom(scenario_).type;
   options.robot = RobotFrom(scenario_);
   options.sensor = DepthSensorFrom(scenario_);
   if (scenario_.depth_source() == DepthSource::STEREO) options.stereo = StereoSensorFrom(scenario_);
@@ -122,7 +124,7 @@ std::shared_ptr<const SurfaceTruth> Scene::Surfaces(const std::shared_ptr<const 
 
 std::unique_ptr<mapper::FusedMap> Scene::NewMap() const {
   const mapper::MapperOptions options = mapper::OptionsFrom(scenario_, {});
-  return mapper::MakeMap(options.engine, options.map);
+  return mapper::MakeMap(options.engine, options.map, options.filter);
 }
 
 std::optional<NoiseFreeMap> Scene::NewNoiseFreeMap(const LockstepOptions& options) const {
@@ -132,7 +134,8 @@ std::optional<NoiseFreeMap> Scene::NewNoiseFreeMap(const LockstepOptions& option
   without.mutable_depth_sensor()->clear_disparity_noise_px();
   without.mutable_depth_sensor()->clear_image_noise_px();
   const mapper::MapperOptions mapper = mapper::OptionsFrom(without, {});
-  return std::make_optional<NoiseFreeMap>(world_, options.sensor, mapper::MakeMap(mapper.engine, mapper.map));
+  return std::make_optional<NoiseFreeMap>(world_, options.sensor,
+                                          mapper::MakeMap(mapper.engine, mapper.map, mapper.filter));
 }
 
 Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::stop_token stop,

@@ -5,7 +5,6 @@
 
 #include "common/base/check.h"
 #include "common/geometry/attitude.h"
-#include "services/controller/core/path_follower.h"
 #include "services/controller/core/retreat.h"
 #include "services/evaluator/core/contact_meter.h"
 #include "services/evaluator/core/run_sensor.h"
@@ -17,13 +16,14 @@ constexpr double kHeadingLength = 0.5;    // [m] over which the heading of trave
 constexpr double kReversalCosine = -0.5;  // a turn by more than 120 degrees
 constexpr double kLostForGood = 30.0;     // [s]
 
-controller::PathFollower FollowerOf(const RobotModel& robot) {
+std::unique_ptr<controller::MotionController> ControllerOf(controller::ControllerType type,
+                                                           const RobotModel& robot) {
   controller::PathFollower::Options options;
   options.robot = robot;
   options.emergency_factor = 1.0;
   // Nothing is lost on the way; a shorter silence than it takes to brake would keep the robot from its speed.
   options.silence = options.cut_off.after = 3600.0;
-  return controller::PathFollower(options);
+  return controller::MakeController(type, options);
 }
 
 RigidTransform StartOf(const RobotModel& robot, const RigidTransform& T_WB) {
@@ -53,7 +53,7 @@ class Run {
         distant_W_(T_WB_start.translation()) {
     if (options.motion == MotionModel::kDynamic) {
       if (options.own_pose) throw std::invalid_argument("dynamic motion needs the true pose");
-      follower_.emplace(FollowerOf(options.robot));
+      controller_ = ControllerOf(options.controller, options.robot);
     }
     if (options.own_pose) own_pose_.emplace(*options.own_pose, options.robot.T_BC, T_WB_, options.noise_seed);
   }
@@ -69,7 +69,7 @@ class Run {
       if ((ordered || done) && observe) observe(loop_.plan(), loop_.explorer(), T_WB_);
       if (done) break;
       if (ordered && loop_.plan().kind == explorer::Plan::Kind::kGo) CountReversal(loop_.plan());
-      if (follower_) {
+      if (controller_ != nullptr) {
         Lead();
         continue;
       }
@@ -191,10 +191,10 @@ class Run {
   /// Lets the controller lead the robot for one time step.
   void Lead() {
     const explorer::ExplorationLoop::Order& order = *loop_.order();
-    follower_->SetPose(T_WB_, now_);
-    follower_->SetPath(order.id, order.T_WBs, now_);
+    controller_->SetPose(T_WB_, now_);
+    controller_->SetPath(order.id, order.T_WBs, now_);
     now_ += FromSeconds(options_.time_step);
-    const controller::Motion motion = follower_->Step(now_);
+    const controller::Motion motion = controller_->Step(now_);
     const Eigen::Vector3d before_W = T_WB_.translation();
     if (motion.command) T_WB_ = motion.command->T_WB;
     T_WB_true_ = T_WB_;
@@ -290,7 +290,7 @@ class Run {
   ContactMeter contacts_;
   MotionMeter motion_;
   explorer::ExplorationLoop loop_;
-  std::optional<controller::PathFollower> follower_;  ///< For dynamic motion.
+  std::unique_ptr<controller::MotionController> controller_;  ///< For dynamic motion.
   Time arrived_at_{-Duration(1)};  ///< The path at whose end the robot stands, or last stood.
   std::optional<OwnPose> own_pose_;
   bool lost_ = false;

@@ -5,6 +5,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "services/controller/core/controller_type.h"
 #include "services/evaluator/core/contact_meter.h"
 #include "services/evaluator/core/motion_meter.h"
 #include "services/evaluator/core/own_pose.h"
@@ -30,10 +31,9 @@ enum class MotionModel : std::uint8_t { kKinematic, kDynamic };
 /// take it to the goal if its estimate were right. Between two frames the estimate follows the executed
 /// motion.
 ///
-/// Dynamic motion is the controller's: its PathFollower leads the robot, which follows exactly, so that
-/// speed, acceleration, turn rate and turn acceleration stay within the robot's limits. It brakes no harder
-/// in an emergency. Along the path and across it, the acceleration is limited separately. The robot knows its
-/// true pose.
+/// Dynamic motion is the controller's: it leads the robot, which follows exactly, so that speed,
+/// acceleration, turn rate and turn acceleration stay within the robot's limits. It brakes no harder in an
+/// emergency. The robot knows its true pose.
 struct LockstepOptions {
   RobotModel robot;
   DepthSensorModel sensor;                      ///< What the explorer expects to see.
@@ -42,6 +42,7 @@ struct LockstepOptions {
   explorer::Explorer::Options explorer;
   std::optional<OwnPose::Options> own_pose;  ///< Empty: the robot knows its true pose.
   MotionModel motion = MotionModel::kKinematic;
+  controller::ControllerType controller = controller::ControllerType::kPathFollower;  ///< For dynamic motion.
   std::uint32_t noise_seed = 1;
   bool colors = false;             ///< Whether clouds have colors, which cost as much as casting their rays.
   double time_step = 0.02;         ///< [s]

@@ -107,6 +107,14 @@ std::vector<dds::ValuedPoint> PointsOf(const DenseGrid<float>& field, const Plan
   return points;
 }
 
+std::vector<dds::ColoredPoint> PointsOf(const std::vector<VoxelIndex>& sealed, const PlanningMap& map) {
+  constexpr Rgb kGreen{46, 160, 67};
+  std::vector<dds::ColoredPoint> points;
+  points.reserve(sealed.size());
+  for (const VoxelIndex& voxel : sealed) points.push_back({map.CenterOf(voxel).cast<float>(), kGreen});
+  return points;
+}
+
 /// Warns when the camera is outside the body, because planning keeps only the body clear of obstacles.
 void WarnOfACameraOutside(const RobotModel& robot) {
   const Eigen::Vector3d& at_B = robot.T_BC.translation();
@@ -133,6 +141,7 @@ ExplorerService::ExplorerService(const Explorer::Options& options, dds::Bus& bus
       frontiers_out_(bus.Advertise<dds::topics::Frontiers>()),
       markers_out_(bus.Advertise<dds::topics::FrontierMarkers>()),
       field_out_(bus.Advertise<dds::topics::Field>()),
+      sealed_out_(bus.Advertise<dds::topics::Sealed>()),
       streamline_out_(bus.Advertise<dds::topics::Streamline>()),
       replies_out_(bus.Advertise<dds::topics::CommandReplies>()),
       loop_(options),
@@ -447,9 +456,11 @@ void ExplorerService::PublishThoughts() {
     streamline.T_WBs.push_back(MakeTransform(Eigen::Matrix3d::Identity(), p_W));
   }
   streamline_out_.Write(dds::ToIdl(streamline));
-  if (const DenseGrid<float>* const field = explorer.field(); field != nullptr && field_out_.readers() > 0) {
-    field_out_.Write(dds::ToIdl(now, PointsOf(*field, explorer.map())));
-  }
+  const DenseGrid<float>* const field = explorer.field();
+  if (field == nullptr) return;
+  if (field_out_.readers() > 0) field_out_.Write(dds::ToIdl(now, PointsOf(*field, explorer.map())));
+  if (sealed_out_.readers() > 0)
+    sealed_out_.Write(dds::ToIdl(now, PointsOf(explorer.sealed(), explorer.map())));
 }
 
 thalweg_msgs::msg::ExplorationStatus ExplorerService::MakeStatus() const {

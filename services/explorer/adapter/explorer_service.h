@@ -78,6 +78,7 @@ class ExplorerService {
   dds::Bus::Publisher<dds::topics::Frontiers> frontiers_out_;
   dds::Bus::Publisher<dds::topics::FrontierMarkers> markers_out_;
   dds::Bus::Publisher<dds::topics::Field> field_out_;
+  dds::Bus::Publisher<dds::topics::Sealed> sealed_out_;
   dds::Bus::Publisher<dds::topics::Streamline> streamline_out_;
   dds::Bus::Publisher<dds::topics::CommandReplies> replies_out_;
   dds::CommandLedger commands_;

@@ -144,6 +144,8 @@ class Explorer {
   const DenseGrid<float>* field() const {
     return task_.choice.path_W.empty() ? nullptr : targets_.strategy().field();
   }
+  /// What that field leaves out.
+  std::vector<VoxelIndex> sealed() const { return targets_.strategy().sealed(); }
 
   const PlanningMap& map() const { return knowledge_.map(); }
   const LookMemory& memory() const { return knowledge_.memory(); }

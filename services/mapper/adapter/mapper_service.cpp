@@ -68,7 +68,7 @@ dds::Infinity InfinityFor(const OccupancyMap::Options& map) {
 
 MapperService::Start MapperService::StartFrom(const MapperOptions& options) {
   // First, because it rejects bad options before any file is read.
-  Start start{.map = MakeMap(options.engine, options.map)};
+  Start start{.map = MakeMap(options.engine, options.map, options.filter)};
   if (options.checkpoint_period == Duration::zero()) return start;
   const Stopwatch stopwatch;
   const std::filesystem::path file = options.out / kCheckpointFile;
@@ -90,7 +90,7 @@ MapperService::Start MapperService::StartFrom(const MapperOptions& options) {
   spdlog::info(
       "resuming from {} with {} blocks, after {} scans, {} of them from its journal; loaded in {:.0f} ms",
       file.string(), checkpoint.grid.block_count(), checkpoint.position.number, journal.applied, resumed_ms);
-  return {.map = MakeMap(options.engine, options.map, std::move(checkpoint.grid)),
+  return {.map = MakeMap(options.engine, options.map, std::move(checkpoint.grid), options.filter),
           .colors = std::move(checkpoint.colors),
           .position = checkpoint.position,
           .journal = std::move(journal.ends),

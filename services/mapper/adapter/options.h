@@ -13,6 +13,7 @@ namespace thalweg::mapper {
 struct MapperOptions {
   OccupancyMap::Options map;
   MapEngine engine = MapEngine::kBlocks;
+  FilterOptions filter;
   RigidTransform T_BC = RobotModel{}.T_BC;
   bool reads_images = false;        ///< Depth images with their calibration, instead of clouds.
   bool counts_gaps = false;         ///< Whether the clouds' period shows which are missing.

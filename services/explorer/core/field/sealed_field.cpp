@@ -151,6 +151,17 @@ void SealedField::Seal(DenseGrid<FieldCell>& cells) const {
   }
 }
 
+std::vector<VoxelIndex> SealedField::sealed() const {
+  std::vector<VoxelIndex> cells;
+  cells.reserve(sealed_cells_);
+  for (const Part& part : parts_) {
+    for (const Run& run : part.runs) {
+      for (int k = 0; k < run.length; ++k) cells.push_back(run.first + VoxelIndex{k, 0, 0});
+    }
+  }
+  return cells;
+}
+
 void SealedField::Open(const std::vector<bool>& open) {
   if (std::find(open.begin(), open.end(), true) == open.end()) return;
   std::vector<Part> kept;

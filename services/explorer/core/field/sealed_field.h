@@ -45,6 +45,8 @@ class SealedField {
   const FieldStatistics& statistics() const { return statistics_; }
   std::size_t sealed_cells() const { return sealed_cells_; }
   std::size_t parts() const { return parts_.size(); }
+  /// Every cell that is sealed now, that is, from the next solve on.
+  std::vector<VoxelIndex> sealed() const;
 
  private:
   static constexpr std::int32_t kOpen = -1;

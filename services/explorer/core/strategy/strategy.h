@@ -143,6 +143,8 @@ class Strategy {
   /// The potential on which the last choice was based, for display. NaN outside of free space.
   /// Null if there is none.
   virtual const DenseGrid<float>* field() const { return nullptr; }
+  /// Explored voxels that the strategy leaves out of its field, for display.
+  virtual std::vector<VoxelIndex> sealed() const { return {}; }
 };
 
 /// Index of the candidate with the shortest path, where a turn counts as the path that it costs.

@@ -1,74 +1,12 @@
-// The strategy's field as a horizontal slice, with the lines along which it falls fastest.
+// The strategy's field as a horizontal slice, with the lines along which it falls fastest and the dead ends left out of it.
 import * as THREE from "three";
 import { RAMP } from "./ramp.js";
+import { Layer, pointsOf, spacingOf } from "./slice.js";
 
 const ramp = RAMP.map((each) => new THREE.Color(each));
 const SPACING = 2.5; // [cells] between streamlines
 const LONGEST = 400; // steps of half a cell
-
-/** x, y, z, value of each point of a PointCloud2 with the field intensity; null if it has none. */
-function pointsOf(message) {
-  const offset = Object.fromEntries(message.fields.map(({ name, offset: at }) => [name, at]));
-  if (["x", "y", "z", "intensity"].some((name) => offset[name] === undefined)) return null;
-  const view = new DataView(message.data.buffer, message.data.byteOffset, message.data.byteLength);
-  const count = Math.floor(message.data.byteLength / message.point_step);
-  const points = new Float32Array(4 * count);
-  for (let n = 0; n < count; ++n) {
-    ["x", "y", "z", "intensity"].forEach((name, k) => {
-      points[4 * n + k] = view.getFloat32(n * message.point_step + offset[name], true);
-    });
-  }
-  return points;
-}
-
-/** The smallest distance between different values of x: the size of the field's cells. */
-function spacingOf(points) {
-  let least = Infinity;
-  for (let n = 4; n < Math.min(points.length, 40000); n += 4) {
-    const gap = Math.abs(points[n] - points[n - 4]);
-    if (gap > 1e-3 && gap < least) least = gap;
-  }
-  return Number.isFinite(least) ? least : 0.1;
-}
-
-/** A layer of the field as a grid: value(i, j), NaN where there is none. */
-class Layer {
-  constructor(points, size, z) {
-    let x0 = Infinity, y0 = Infinity, x1 = -Infinity, y1 = -Infinity;
-    const inside = [];
-    for (let n = 0; n < points.length; n += 4) {
-      if (Math.abs(points[n + 2] - z) > size / 2) continue;
-      inside.push(n);
-      x0 = Math.min(x0, points[n]);
-      x1 = Math.max(x1, points[n]);
-      y0 = Math.min(y0, points[n + 1]);
-      y1 = Math.max(y1, points[n + 1]);
-    }
-    this.size = size;
-    this.x0 = x0;
-    this.y0 = y0;
-    this.z = inside.length > 0 ? points[inside[0] + 2] : z;
-    this.width = inside.length > 0 ? Math.round((x1 - x0) / size) + 1 : 0;
-    this.height = inside.length > 0 ? Math.round((y1 - y0) / size) + 1 : 0;
-    this.values = new Float32Array(this.width * this.height).fill(NaN);
-    for (const n of inside) {
-      this.values[Math.round((points[n + 1] - y0) / size) * this.width + Math.round((points[n] - x0) / size)] = points[n + 3];
-    }
-  }
-  value(i, j) {
-    return i < 0 || j < 0 || i >= this.width || j >= this.height ? NaN : this.values[j * this.width + i];
-  }
-  /** Direction of steepest descent at a place in cells; null beside walls and outside. */
-  descent(x, y) {
-    const i = Math.round(x), j = Math.round(y), here = this.value(i, j);
-    if (Number.isNaN(here)) return null;
-    // No flux through walls: a neighbor without a value counts as equal.
-    const or = (value) => (Number.isNaN(value) ? here : value);
-    const gx = or(this.value(i + 1, j)) - or(this.value(i - 1, j)), gy = or(this.value(i, j + 1)) - or(this.value(i, j - 1));
-    const length = Math.hypot(gx, gy);
-    return length < 1e-7 ? null : [-gx / length, -gy / length];
-  }
-}
+const WHITE = [255, 255, 255];
 
 /** Lines of steepest descent, evenly spaced: a place near an earlier line begins and continues none. */
 function streamlines(layer) {
@@ -102,75 +40,125 @@ function streamlines(layer) {
   return segments;
 }
 
+/** A horizontal plane whose texture has a pixel for each cell of a layer. */
+function makePlane() {
+  const plane = new THREE.Mesh(new THREE.PlaneGeometry(1, 1),
+    new THREE.MeshBasicMaterial({ transparent: true, opacity: 0.85, side: THREE.DoubleSide, depthWrite: false }));
+  plane.visible = false;
+  return plane;
+}
+
+/** Lays a plane over a layer. @param colorOf red, green and blue of a value, in 0 to 255 */
+function lay(plane, layer, colorOf) {
+  const pixels = new Uint8Array(4 * layer.values.length);
+  layer.values.forEach((value, n) => {
+    if (Number.isNaN(value)) return;
+    pixels.set([...colorOf(value), 255], 4 * n);
+  });
+  plane.material.map?.dispose();
+  const texture = new THREE.DataTexture(pixels, layer.width, layer.height);
+  texture.colorSpace = THREE.SRGBColorSpace;
+  texture.needsUpdate = true;
+  plane.material.map = texture;
+  plane.material.needsUpdate = true;
+  plane.scale.set(layer.width * layer.size, layer.height * layer.size, 1);
+  const middle = (first, cells) => first + ((cells - 1) * layer.size) / 2;
+  plane.position.set(middle(layer.x0, layer.width), middle(layer.y0, layer.height), layer.z);
+}
+
+const mixed = new THREE.Color();
+function rampColor(value) {
+  const t = Math.min(Math.max((value + 1) / 2, 0), 0.999) * (ramp.length - 1);
+  mixed.lerpColors(ramp[Math.floor(t)], ramp[Math.floor(t) + 1], t % 1).convertLinearToSRGB();
+  return [mixed.r * 255, mixed.g * 255, mixed.b * 255];
+}
+
 export class FieldSlice {
   #points = null;
+  #sealed = null; // points of what is sealed
   #size = 0.1;
+  #height = 0; // [m] of the last cut
 
   constructor() {
     this.group = new THREE.Group();
     this.group.visible = false;
-    this.plane = new THREE.Mesh(new THREE.PlaneGeometry(1, 1),
-      new THREE.MeshBasicMaterial({ transparent: true, opacity: 0.85, side: THREE.DoubleSide, depthWrite: false }));
-    this.lines = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.75 }));
+    this.plane = makePlane();
+    this.sealedPlane = makePlane();
+    this.lines = new THREE.LineSegments(new THREE.BufferGeometry(),
+      new THREE.LineBasicMaterial({ transparent: true, opacity: 0.75 }));
     this.lines.frustumCulled = false;
-    this.group.add(this.plane, this.lines);
-    this.layer = null;
+    this.group.add(this.plane, this.sealedPlane, this.lines);
+    this.layer = this.sealedLayer = null;
   }
 
-  setTheme(color) {
+  /** @param color of the lines; @param sealed of what is sealed */
+  setTheme(color, sealed) {
     this.lines.material.color.set(color);
+    this.sealedPlane.material.color.set(sealed);
   }
 
   /** @param message sensor_msgs/msg/PointCloud2 with x, y, z, intensity in -1 to 1 */
   set(message, height) {
-    this.#points = pointsOf(message);
+    this.#points = pointsOf(message, "intensity");
     if (!this.#points) return;
     this.#size = spacingOf(this.#points);
     this.cutAt(height);
   }
 
+  /** @param message sensor_msgs/msg/PointCloud2 with x, y, z of the cells that are sealed, which are as large as the field's */
+  setSealed(message) {
+    this.#sealed = pointsOf(message);
+    // The gateway may pass it on before the first field, which alone says how large a cell is: it is cut with that one.
+    if (!this.#sealed || !this.#points) return;
+    this.#cutSealed();
+  }
+
   clear() {
-    this.#points = this.layer = null;
-    this.plane.visible = this.lines.visible = false;
+    this.#points = this.#sealed = this.layer = this.sealedLayer = null;
+    this.plane.visible = this.sealedPlane.visible = this.lines.visible = false;
   }
 
   /** What is drawn: { cells, z [m], lines: pieces of streamlines }; null if nothing is. */
   get shown() {
     if (!this.group.visible || !this.plane.visible || !this.layer) return null;
-    return { cells: this.layer.values.filter((value) => !Number.isNaN(value)).length, z: this.layer.z,
-      lines: (this.lines.geometry.getAttribute("position")?.count ?? 0) / 2 };
+    return { cells: this.layer.cells, z: this.layer.z, lines: (this.lines.geometry.getAttribute("position")?.count ?? 0) / 2 };
+  }
+
+  /** How many cells are drawn as sealed. */
+  get sealed() {
+    return this.group.visible && this.sealedPlane.visible ? this.sealedLayer.cells : 0;
   }
 
   /** Shows the layer of cells at a height [m]. */
   cutAt(height) {
     if (!this.#points) return;
-    const layer = new Layer(this.#points, this.#size, height);
+    this.#height = height;
+    this.#cutField();
+    this.#cutSealed();
+  }
+
+  #cutField() {
+    const layer = new Layer(this.#points, this.#size, this.#height);
     this.layer = layer;
     this.plane.visible = this.lines.visible = layer.width > 0;
     if (layer.width === 0) return;
-    const pixels = new Uint8Array(4 * layer.values.length);
-    const mixed = new THREE.Color();
-    layer.values.forEach((value, n) => {
-      if (Number.isNaN(value)) return;
-      const t = Math.min(Math.max((value + 1) / 2, 0), 0.999) * (ramp.length - 1);
-      mixed.lerpColors(ramp[Math.floor(t)], ramp[Math.floor(t) + 1], t % 1).convertLinearToSRGB();
-      pixels.set([mixed.r * 255, mixed.g * 255, mixed.b * 255, 255], 4 * n);
-    });
-    this.plane.material.map?.dispose();
-    const texture = new THREE.DataTexture(pixels, layer.width, layer.height);
-    texture.colorSpace = THREE.SRGBColorSpace;
-    texture.needsUpdate = true;
-    this.plane.material.map = texture;
-    this.plane.material.needsUpdate = true;
-    this.plane.scale.set(layer.width * layer.size, layer.height * layer.size, 1);
-    this.plane.position.set(layer.x0 + ((layer.width - 1) * layer.size) / 2, layer.y0 + ((layer.height - 1) * layer.size) / 2, layer.z);
+    lay(this.plane, layer, rampColor);
     const segments = streamlines(layer);
     const position = new Float32Array((segments.length / 2) * 3);
     for (let n = 0; n < segments.length / 2; ++n) {
-      position.set([layer.x0 + segments[2 * n] * layer.size, layer.y0 + segments[2 * n + 1] * layer.size, layer.z + 0.01], 3 * n);
+      const [x, y] = [segments[2 * n], segments[2 * n + 1]];
+      position.set([layer.x0 + x * layer.size, layer.y0 + y * layer.size, layer.z + 0.01], 3 * n);
     }
     this.lines.geometry.dispose();
     this.lines.geometry = new THREE.BufferGeometry();
     this.lines.geometry.setAttribute("position", new THREE.BufferAttribute(position, 3));
+  }
+
+  #cutSealed() {
+    const layer = this.#sealed && new Layer(this.#sealed, this.#size, this.#height);
+    this.sealedLayer = layer;
+    this.sealedPlane.visible = layer !== null && layer.width > 0;
+    // It is white, so that the material's color is what is seen, and a change of theme needs no other texture.
+    if (this.sealedPlane.visible) lay(this.sealedPlane, layer, () => WHITE);
   }
 }

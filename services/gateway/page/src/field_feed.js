@@ -1,5 +1,5 @@
-// The field, which only some strategies have, and its streamline. Both are large, so that they are read while they are shown;
-// the field also until one has come, which says that the present strategy has one.
+// The field, which only some strategies have, what is sealed off from it, and its streamline. All are large, so that they are
+// read while they are shown; the field also until one has come, which says that the present strategy has one.
 
 export class FieldFeed {
   #isShown = false;
@@ -7,8 +7,9 @@ export class FieldFeed {
   #last = null; // the last one, as long as it is that of the last decision
 
   /**
-   * @param topics { field, streamline }
-   * @param events { onField(message), onStreamline(message), onForgotten(), onKnown(whether there is one, name of the strategy) }
+   * @param topics { field, sealed, streamline }
+   * @param events { onField(message), onSealed(message), onStreamline(message), onForgotten(),
+   * onKnown(whether there is one, name of the strategy) }
    */
   constructor(connection, topics, events) {
     Object.assign(this, { connection, topics, events });
@@ -41,8 +42,12 @@ export class FieldFeed {
   #listen() {
     if (this.#isShown || !this.isThere) this.connection.subscribe(this.topics.field, (message) => this.#take(message));
     else this.connection.unsubscribe(this.topics.field);
-    if (this.#isShown) this.connection.subscribe(this.topics.streamline, (message) => this.events.onStreamline(message));
-    else this.connection.unsubscribe(this.topics.streamline);
+    this.#listenWhileShown(this.topics.sealed, (message) => this.events.onSealed(message));
+    this.#listenWhileShown(this.topics.streamline, (message) => this.events.onStreamline(message));
+  }
+  #listenWhileShown(topic, handler) {
+    if (this.#isShown) this.connection.subscribe(topic, handler);
+    else this.connection.unsubscribe(topic);
   }
   #take(message) {
     this.#last = message;

@@ -10,7 +10,8 @@ const LAYERS = {
   ahead: { title: "Path ahead", key: "a", color: "var(--accent)" },
   frontiers: { title: "Frontiers", key: "f", color: "var(--warn)" },
   unknown: { title: "Border to unknown", key: "u", color: "#b07cff", off: true },
-  field: { title: "Field", key: "d", color: "linear-gradient(90deg, #2b3a8f, #f0764a)", off: true },
+  field: { title: "Field", key: "d", color: "linear-gradient(90deg, #2b3a8f, #f0764a)", off: true,
+    help: "Field; in green, sealed dead ends" },
   noGo: { title: "No-go boxes", key: "n", color: "#ff5c6c" },
   pictures: { title: "Camera", key: "c", color: "var(--good)", off: true },
 };
@@ -22,7 +23,7 @@ export class Layers {
   /** @param apply (name, on), called for every change */
   constructor(keys, apply) {
     this.apply = apply;
-    for (const [name, { title, key, color }] of Object.entries(LAYERS)) {
+    for (const [name, { title, key, color, help }] of Object.entries(LAYERS)) {
       const button = (this.#buttons[name] = document.createElement("button"));
       button.innerHTML = "<i></i><span></span><small></small>";
       button.querySelector("span").textContent = title;
@@ -30,7 +31,7 @@ export class Layers {
       button.title = `${title} (${key.toUpperCase()})`;
       button.onclick = () => this.set(name, !this.shown[name]);
       $("layers").append(button);
-      keys.claim(key, { group: "Layers", text: title, act: () => this.#press(name) });
+      keys.claim(key, { group: "Layers", text: help ?? title, act: () => this.#press(name) });
     }
   }
 

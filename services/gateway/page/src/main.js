@@ -27,7 +27,8 @@ import { Transforms } from "./transforms.js";
 const $ = (id) => document.getElementById(id);
 const TOPICS = {
   blocks: "/thalweg/blocks", history: "/thalweg/history", odometry: "/odometry", transforms: "/tf", staticTransforms: "/tf_static", path: "/explorer/path",
-  status: "/explorer/status", frontiers: "/explorer/frontiers", field: "/explorer/field", streamline: "/explorer/streamline",
+  status: "/explorer/status", frontiers: "/explorer/frontiers", field: "/explorer/field", sealed: "/explorer/sealed",
+  streamline: "/explorer/streamline",
   health: "/health", log: "/rosout", replay: "/replay/status", left: "/stereo/left/image_raw", right: "/stereo/right/image_raw", disparity: "/stereo/disparity",
   depth: "/depth/image", colored: "/map/colored", surface: "/thalweg/surface", surfaceStatus: "/surface/status",
 };
@@ -251,6 +252,7 @@ connection.subscribe(TOPICS.surfaceStatus, (message) => {
 const pictures = new Pictures(connection, { left: TOPICS.left, right: TOPICS.right, disparity: TOPICS.disparity, depth: TOPICS.depth });
 const field = new FieldFeed(connection, TOPICS, {
   onField: (message) => scene.setField(message, heights.slice()),
+  onSealed: (message) => scene.setSealed(message),
   onStreamline: (message) => {
     scene.streamline.set(flat(message));
     scene.changed();
@@ -361,7 +363,8 @@ setInterval(() => {
   window.thalweg = { robot: place && [place.x, place.y, place.z], state: status?.state, noGo: status?.no_go.length ?? 0, steers: steersRobot(), replay: timeline.shown, session: connection.session,
     known, occupied, colored: scene.map.coloredCount, byColor: paint.byColor, faces: scene.map.faces, waiting: scene.map.waiting, frames, frameMs: frames ? frameTime / frames : 0, flown,
     surface: scene.surface.faces, surfaceDrawn: scene.surface.group.children.length, surfaceLeft: scene.surface.left,
-    field: scene.field.shown, streamline: scene.streamline.pieces, ahead: scene.ahead.pieces, frontiers: frontiers?.length ?? 0, bytes: connection.bytes, borders: scene.map.border.children.length,
+    field: scene.field.shown, sealed: scene.field.sealed, streamline: scene.streamline.pieces, ahead: scene.ahead.pieces,
+    frontiers: frontiers?.length ?? 0, bytes: connection.bytes, borders: scene.map.border.children.length,
     shape: robot, layers: { ...layers.shown }, camera: scene.cameras.shown, curves: run.shown, screenOf: (point) => scene.screenOf(point) };
   frames = frameTime = 0;
 }, 1000);

@@ -11,9 +11,9 @@ import { SurfaceMesh } from "./surface.js";
 
 const THEMES = {
   dark: { back: "#0c0f14", grid: "#1d2430", section: "#323b49", flown: "#f2f5f9", ahead: "#4cc2ff", robot: "#ffffff",
-    fate: ["#f5b83d", "#45d19a", "#707b8c"] },
+    sealed: "#2be62b", fate: ["#f5b83d", "#45d19a", "#707b8c"] },
   light: { back: "#eef1f5", grid: "#d4dae3", section: "#aab4c2", flown: "#1b2433", ahead: "#0a7ac2", robot: "#17202e",
-    fate: ["#d98600", "#12885a", "#8792a3"] },
+    sealed: "#007a10", fate: ["#d98600", "#12885a", "#8792a3"] },
 };
 const MAX_RATIO = 2; // of device pixels; beyond, only the cost grows
 const MIN_RATIO = 0.5;
@@ -74,7 +74,7 @@ export class Scene {
     this.streamline.material.color.set("#c38bff");
     this.body.material.color.set(theme.robot);
     this.frustum.material.color.set(theme.ahead);
-    this.field.setTheme(theme.flown);
+    this.field.setTheme(theme.flown, theme.sealed);
     this.target.children.forEach(({ material }) => material.color.set(theme.ahead));
     this.#layGrid();
     this.marks.setTheme(theme.fate, theme.robot);
@@ -177,6 +177,11 @@ export class Scene {
   /** @param message sensor_msgs/msg/PointCloud2 with x, y, z, intensity */
   setField(message, height) {
     this.field.set(message, height);
+    this.changed();
+  }
+  /** @param message sensor_msgs/msg/PointCloud2 with x, y, z */
+  setSealed(message) {
+    this.field.setSealed(message);
     this.changed();
   }
   clearField() {

@@ -14,6 +14,7 @@ TEST(ControllerOptions, WhatTheScenarioDoesNotSayIsTheCoresDefault) {
   EXPECT_EQ(options.follower.silence, defaults.silence);
   EXPECT_EQ(options.follower.position_tolerance, defaults.position_tolerance);
   EXPECT_EQ(options.follower.robot.max_speed, RobotModel{}.max_speed);
+  EXPECT_EQ(options.type, ControllerType::kPathFollower);
 }
 
 TEST(ControllerOptions, ScenarioWins) {
@@ -22,11 +23,13 @@ TEST(ControllerOptions, ScenarioWins) {
   scenario.mutable_controller()->set_silence_s(0.75);
   scenario.mutable_controller()->set_angle_tolerance_deg(10.0);
   scenario.mutable_controller()->set_rate_hz(100.0);
+  scenario.mutable_controller()->set_type(Controller::STOP_AND_TURN);
   const ControllerOptions options = OptionsFrom(scenario);
   EXPECT_DOUBLE_EQ(options.follower.robot.max_speed, 1.25);
   EXPECT_DOUBLE_EQ(options.follower.silence, 0.75);
   EXPECT_DOUBLE_EQ(options.follower.angle_tolerance, std::numbers::pi / 18.0);
   EXPECT_DOUBLE_EQ(options.rate, 100.0);
+  EXPECT_EQ(options.type, ControllerType::kStopAndTurn);
 }
 
 TEST(ControllerOptions, TheScenarioSaysWhatTheRobotDoesWhenItIsCutOffAndWhetherPathsAreChecked) {

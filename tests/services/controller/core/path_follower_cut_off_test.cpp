@@ -121,13 +121,13 @@ TEST(PathFollower, OnItsPathBackItStopsWhenItsPoseIsSilentOrLost) {
     ride.pose_silent = true;
     const double x = ride.robot().translation().x();
     for (int tick = 0; tick < 200; ++tick) {
-      if (lost) ride.follower().SetLost(true, ride.time());
+      if (lost) ride.controller().SetLost(true, ride.time());
       ride.Tick();
     }
     EXPECT_NEAR(ride.robot().translation().x(), x, lost ? 0.1 : 0.3);
     EXPECT_EQ(ride.Tick().reason, lost ? StopReason::kLost : StopReason::kPoseSilent);
     ride.pose_silent = false;
-    ride.follower().SetLost(false, ride.time());
+    ride.controller().SetLost(false, ride.time());
     ride.Until(WaitsWhereItBegan);
     EXPECT_LT(ride.robot().translation().norm(), 0.03);
   }
@@ -137,7 +137,7 @@ TEST(PathFollower, ARobotThatIsToStayDoesNotGoBack) {
   Ride ride(At(0, 0), GoingBack(OnCutOff::kHome));
   ride.Follow({At(0, 0), At(5, 0)});
   ride.Until([&](const Motion&) { return ride.robot().translation().x() > 1.0; });
-  ride.follower().SetStays(true);
+  ride.controller().SetStays(true);
   ride.path_silent = true;
   const double silent = ride.now();
   const Motion motion = ride.Until([&](const Motion&) { return ride.now() - silent > 30.0; });

@@ -26,7 +26,7 @@ TEST(PathFollower, APathThroughWhatIsKnownToBeSolidIsRefusedAndTheNextOneFollowe
   ride.Follow({At(0, 0), At(5, 0)});
   EXPECT_EQ(ride.Until([](const Motion& motion) { return motion.state == MotionState::kStopped; }).reason,
             StopReason::kNoMap);
-  ride.follower().SetMap(map, ride.time());
+  ride.controller().SetMap(map, ride.time());
   const double start = ride.now();
   const Motion refused = ride.Until([&](const Motion&) { return ride.now() - start > 2.0; });
   EXPECT_EQ(refused.state, MotionState::kStopped);
@@ -44,17 +44,17 @@ TEST(PathFollower, StopsBeforeAWallThatBecomesKnownOnTheWayAndGoesOnWhenItIsGone
   options.checked_body = PathCheck::Body{.radius = 0.1};
   OccupancyGrid map(0.1);
   Ride ride(At(0, 0), options);
-  ride.follower().SetMap(map, ride.time());
+  ride.controller().SetMap(map, ride.time());
   ride.Follow({At(0, 0), At(5, 0)});
   ride.Until([&](const Motion&) { return ride.robot().translation().x() > 1.7; });
   map = WallAhead();
-  ride.follower().SetMap(map, ride.time());
+  ride.controller().SetMap(map, ride.time());
   const Motion stopped = ride.Until(
       [&](const Motion& motion) { return motion.state == MotionState::kStopped && motion.speed == 0.0; });
   EXPECT_EQ(stopped.reason, StopReason::kThroughSolid);
   EXPECT_LT(ride.robot().translation().x(), 1.7 + 0.02 + 0.05 + 0.01) << "it brakes from 0.5 m/s in 0.05 m";
   map = OccupancyGrid(0.1);
-  ride.follower().SetMap(map, ride.time());
+  ride.controller().SetMap(map, ride.time());
   ride.UntilDone();
 }
 
@@ -68,10 +68,10 @@ PathFollower::Options GoingOn() {
 /// Cut off from its explorer 1 m along a path of 4 m. Its map is updated up to `map_until` [m], and shows a
 /// wall from 1.2 m on if there is one.
 Motion RideCutOff(Ride& ride, OccupancyGrid& map, double map_until, bool wall) {
-  ride.follower().SetMap(map, ride.time());
+  ride.controller().SetMap(map, ride.time());
   ride.Follow({At(0, 0), At(4, 0)});
   ride.Until([&](const Motion&) {
-    ride.follower().SetMap(map, ride.time());
+    ride.controller().SetMap(map, ride.time());
     return ride.robot().translation().x() > 1.0;
   });
   ride.path_silent = true;
@@ -79,7 +79,7 @@ Motion RideCutOff(Ride& ride, OccupancyGrid& map, double map_until, bool wall) {
   return ride.Until([&](const Motion& motion) {
     const double x = ride.robot().translation().x();
     if (wall && x > 1.2) map = WallAhead();
-    if (x < map_until) ride.follower().SetMap(map, ride.time());
+    if (x < map_until) ride.controller().SetMap(map, ride.time());
     if (ride.now() - cut > 0.6 && motion.speed > 0.0 && x < map_until) {
       EXPECT_EQ(motion.reason, StopReason::kGoingOn);
       EXPECT_EQ(motion.state, MotionState::kFollowing);
@@ -111,7 +111,7 @@ TEST(PathFollower, CutOffItStopsWhenItsMapIsCutOffAsWell) {
   EXPECT_EQ(RideCutOff(ride, map, 2.0, false).reason, StopReason::kPathSilent);
   EXPECT_LT(ride.robot().translation().x(), 2.0 + 1.0 * 0.5 + 0.1) << "1 s later, at 0.5 m/s";
   ride.path_silent = false;
-  ride.follower().SetMap(map, ride.time());
+  ride.controller().SetMap(map, ride.time());
   ride.UntilDone();
 }
 

@@ -18,7 +18,7 @@ TEST(PathFollower, NewPathOnTheWayIsContinuousInPositionAndVelocity) {
   std::mt19937 random(5);
   for (int round = 0; round < 30; ++round) {
     Ride ride(At(0, 0));
-    const PathFollower::Options& limits = ride.follower().options();
+    const PathFollower::Options& limits = ride.options();
     Differences differences;
     ride.Follow(RandomPath(random, At(0, 0), 6, 1.0));
     for (int change = 0; change < 5; ++change) {

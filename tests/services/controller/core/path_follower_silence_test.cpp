@@ -51,7 +51,7 @@ TEST(PathFollower, ASilentPoseIsNoticedAsSoonAlthoughItsClockIsAhead) {
   ride.pose_silent = true;
   const double start = ride.now();
   ride.Until([&](const Motion&) {
-    ride.follower().SetPose(ride.robot(), ride.time() + std::chrono::seconds(10));
+    ride.controller().SetPose(ride.robot(), ride.time() + std::chrono::seconds(10));
     return ride.now() - start > 2.0;
   });
   EXPECT_GT(ride.robot().translation().x(), 0.5) << "it moves, or there is nothing to stop";
@@ -71,7 +71,7 @@ TEST(PathFollower, ARobotThatIsLostStopsAndGoesBackWithoutAPose) {
   double farthest = 0.0;
   double last = 0.0;
   for (int tick = 0; tick < 200; ++tick) {
-    ride.follower().SetLost(true, ride.time());
+    ride.controller().SetLost(true, ride.time());
     const Motion motion = ride.Tick();
     EXPECT_EQ(motion.state, MotionState::kStopped);
     last = ride.robot().translation().x();
@@ -80,7 +80,7 @@ TEST(PathFollower, ARobotThatIsLostStopsAndGoesBackWithoutAPose) {
   EXPECT_LT(farthest, 1.15) << "it braked at once";
   EXPECT_NEAR(farthest - last, PathFollower::Options{}.retreat.reach, 0.02);
   // Once found again, the robot continues from where it is.
-  ride.follower().SetLost(false, ride.time());
+  ride.controller().SetLost(false, ride.time());
   ride.pose_silent = false;
   const Motion end = ride.UntilDone();
   EXPECT_EQ(end.state, MotionState::kDone);
@@ -94,12 +94,12 @@ TEST(PathFollower, ALostRobotStandsWhenItsExplorerIsSilent) {
   ride.pose_silent = true;
   ride.path_silent = true;
   for (int tick = 0; tick < 50; ++tick) {
-    ride.follower().SetLost(true, ride.time());
+    ride.controller().SetLost(true, ride.time());
     ride.Tick();
   }
   const double stands = ride.robot().translation().x();
   for (int tick = 0; tick < 50; ++tick) {
-    ride.follower().SetLost(true, ride.time());
+    ride.controller().SetLost(true, ride.time());
     ride.Tick();
   }
   EXPECT_EQ(ride.robot().translation().x(), stands);

@@ -46,7 +46,7 @@ TEST(PathFollowerSmoothed, KeepsSpeedAndAccelerationAndTurnLimits) {
   for (int round = 0; round < 20; ++round) {
     Ride ride(At(0, 0), FastAndSmooth());
     ride.Follow(RandomPath(random, At(0, 0), 12, round % 2 == 0 ? 2.0 : 0.3));
-    const PathFollower::Options& limits = ride.follower().options();
+    const PathFollower::Options& limits = ride.options();
     Differences differences;
     ride.Until([&](const Motion& motion) {
       differences.Add(motion.command->T_WB);
@@ -135,7 +135,7 @@ TEST(PathFollowerSmoothed, JoinsAnotherPathWithoutAJump) {
     PathFollower::Options options{.robot = robot, .retreat = {}};
     options.silence = 1.2;
     Ride ride(At(0, 0), options);
-    const PathFollower::Options& limits = ride.follower().options();
+    const PathFollower::Options& limits = ride.options();
     Differences differences;
     const auto ticks = [&](int count) {
       Motion motion;

@@ -63,7 +63,7 @@ TEST(PathFollower, CommandsNeverExceedSpeedAccelerationAndTurnLimits) {
   for (int round = 0; round < 40; ++round) {
     Ride ride(At(0, 0));
     ride.Follow(RandomPath(random, At(0, 0), 12, round % 2 == 0 ? 0.8 : 0.1));
-    const PathFollower::Options& limits = ride.follower().options();
+    const PathFollower::Options& limits = ride.options();
     Differences differences;
     ride.Until([&](const Motion& motion) {
       differences.Add(motion.command->T_WB);
@@ -152,7 +152,7 @@ TEST(PathFollower, CommandWaitsForARobotThatIsStuck) {
   ride.Until([&](const Motion& motion) { return motion.distance_done > 1.0; });
   ride.stuck = true;
   const double stuck_at = ride.robot().translation().x();
-  const PathFollower::Options& limits = ride.follower().options();
+  const PathFollower::Options& limits = ride.options();
   const double farthest = limits.robot.max_speed *
                           (limits.robot.max_speed / (2.0 * limits.robot.max_acceleration) + limits.delay);
   const double start = ride.now();

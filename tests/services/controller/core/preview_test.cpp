@@ -26,7 +26,7 @@ TEST(Preview, IsEmptyBeforeThereIsACommand) {
   EXPECT_TRUE(PathFollower({}).Preview(0.1, 5.0).empty());
   Ride ride(At(0, 0));
   ride.Tick();
-  EXPECT_TRUE(ride.follower().Preview(0.1, 5.0).empty());
+  EXPECT_TRUE(ride.controller().Preview(0.1, 5.0).empty());
 }
 
 TEST(Preview, IsWhatARobotThatObeysThenDoes) {
@@ -36,7 +36,7 @@ TEST(Preview, IsWhatARobotThatObeysThenDoes) {
       Ride ride(At(0, 0), options);
       ride.Follow(RandomPath(random, At(0, 0), 3, 0.3));
       for (int n = 0; n < 40; ++n) ride.Tick();
-      const std::vector<TrajectoryPoint> points = ride.follower().Preview(kTick, 60.0);
+      const std::vector<TrajectoryPoint> points = ride.controller().Preview(kTick, 60.0);
       ASSERT_GT(points.size(), 10U);
       for (std::size_t n = 1; n < points.size(); ++n) {
         const RigidTransform T_WB = ride.Tick().command->T_WB;
@@ -54,7 +54,7 @@ TEST(Preview, VelocitiesAndAccelerationsAreTheDerivatives) {
     Ride ride(At(0, 0), options);
     ride.Follow(RandomPath(random, At(0, 0), 5, 0.5));
     ride.Tick();
-    const std::vector<TrajectoryPoint> points = ride.follower().Preview(kTick, 60.0);
+    const std::vector<TrajectoryPoint> points = ride.controller().Preview(kTick, 60.0);
     ASSERT_GT(points.size(), 100U);
     for (std::size_t n = 0; n + 1 < points.size(); ++n) {
       const TrajectoryPoint& a = points[n];
@@ -75,7 +75,7 @@ TEST(Preview, OfALongPathBrakesGentlyAtTheHorizon) {
     Ride ride(At(0, 0), options);
     ride.Follow({At(0, 0), At(30, 0)});
     for (int n = 0; n < 60; ++n) ride.Tick();
-    const std::vector<TrajectoryPoint> points = ride.follower().Preview(0.1, 2.0);
+    const std::vector<TrajectoryPoint> points = ride.controller().Preview(0.1, 2.0);
     ASSERT_GT(points.size(), 20U);
     EXPECT_NEAR(points[20].v_W.x(), options.robot.max_speed, 1e-9);
     EXPECT_NEAR(points[20].time, 2.0, 1e-9);
@@ -97,7 +97,7 @@ TEST(Preview, OfARobotThatStandsIsOnePoint) {
   Ride ride(At(0, 0));
   ride.Follow({At(0, 0), At(0.3, 0)});
   ride.UntilDone();
-  const std::vector<TrajectoryPoint> points = ride.follower().Preview(0.1, 5.0);
+  const std::vector<TrajectoryPoint> points = ride.controller().Preview(0.1, 5.0);
   ASSERT_EQ(points.size(), 1U);
   EXPECT_NEAR(points.front().T_WB.translation().x(), 0.3, 1e-6);
   EXPECT_EQ(points.front().v_W, Eigen::Vector3d::Zero());
@@ -109,7 +109,7 @@ TEST(Preview, OfARobotThatIsStoppedEndsWhereItBrakes) {
   for (int n = 0; n < 100; ++n) ride.Tick();
   ride.Follow({});
   ride.Tick();
-  const std::vector<TrajectoryPoint> points = ride.follower().Preview(kTick, 5.0);
+  const std::vector<TrajectoryPoint> points = ride.controller().Preview(kTick, 5.0);
   ride.Until([](const Motion& motion) { return motion.speed == 0.0; });
   EXPECT_NEAR((points.back().T_WB.translation() - ride.robot().translation()).norm(), 0.0, 1e-9);
 }
@@ -120,12 +120,12 @@ TEST(Preview, OfARobotWhosePoseIsSilentIsItsStop) {
   for (int n = 0; n < 100; ++n) ride.Tick();
   ride.pose_silent = true;
   ride.Until([](const Motion& motion) { return motion.reason == StopReason::kPoseSilent; });
-  const std::vector<TrajectoryPoint> points = ride.follower().Preview(0.1, 5.0);
+  const std::vector<TrajectoryPoint> points = ride.controller().Preview(0.1, 5.0);
   EXPECT_LT(points.back().time, 0.5);
   EXPECT_EQ(points.back().v_W, Eigen::Vector3d::Zero());
   const double stopped = points.back().T_WB.translation().x();
   ride.Until([](const Motion& motion) { return motion.speed == 0.0; });
-  const std::vector<TrajectoryPoint> later = ride.follower().Preview(0.1, 5.0);
+  const std::vector<TrajectoryPoint> later = ride.controller().Preview(0.1, 5.0);
   ASSERT_EQ(later.size(), 1U) << "it does not go on";
   EXPECT_NEAR(later.front().T_WB.translation().x(), stopped, 0.03);
 }
@@ -134,10 +134,10 @@ TEST(Preview, AReportOfBeingLostThatHasExpiredCountsNoMore) {
   Ride ride(At(0, 0));
   ride.Follow({At(0, 0), At(3, 0)});
   for (int n = 0; n < 60; ++n) ride.Tick();
-  ride.follower().SetLost(true, ride.time());
+  ride.controller().SetLost(true, ride.time());
   for (int n = 0; n < 40; ++n) ride.Tick();
   const double x = ride.robot().translation().x();
-  EXPECT_GT(ride.follower().Preview(0.1, 5.0).back().T_WB.translation().x(), x + 1.0);
+  EXPECT_GT(ride.controller().Preview(0.1, 5.0).back().T_WB.translation().x(), x + 1.0);
 }
 
 TEST(Preview, EndsBeforeWhatHasNotBeenCheckedAndBeforeWhatIsSolid) {
@@ -152,11 +152,11 @@ TEST(Preview, EndsBeforeWhatHasNotBeenCheckedAndBeforeWhatIsSolid) {
       for (int z = -20; z < 20; ++z) map.Set({static_cast<int>(wall / 0.05), y, z}, 2.0F);
     }
     Ride ride(At(0, 0), options);
-    ride.follower().SetMap(map, ride.time());
+    ride.controller().SetMap(map, ride.time());
     ride.Follow({At(0, 0), At(60, 0)});
     ride.Tick();
     ride.Tick();
-    const std::vector<TrajectoryPoint> points = ride.follower().Preview(0.1, 30.0);
+    const std::vector<TrajectoryPoint> points = ride.controller().Preview(0.1, 30.0);
     ASSERT_FALSE(points.empty());
     EXPECT_LT(points.back().T_WB.translation().x(), std::min(wall - 0.6, 59.0));
     EXPECT_EQ(points.back().v_W, Eigen::Vector3d::Zero());
@@ -167,9 +167,9 @@ TEST(Preview, OfALostRobotIsItsRetreat) {
   Ride ride(At(0, 0));
   ride.Follow({At(0, 0), At(3, 0)});
   for (int n = 0; n < 100; ++n) ride.Tick();
-  ride.follower().SetLost(true, ride.time());
+  ride.controller().SetLost(true, ride.time());
   ride.Tick();
-  const std::vector<TrajectoryPoint> points = ride.follower().Preview(0.1, 20.0);
+  const std::vector<TrajectoryPoint> points = ride.controller().Preview(0.1, 20.0);
   ASSERT_GT(points.size(), 5U);
   EXPECT_LT(points.back().T_WB.translation().x(), ride.robot().translation().x() - 0.2);
   EXPECT_LT(points[points.size() / 2].v_W.x(), 0.0);

@@ -4,15 +4,16 @@
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <random>
 #include <utility>
 #include <vector>
 
-#include "services/controller/core/path_follower.h"
+#include "services/controller/core/controller_type.h"
 #include "tests/services/controller/support/poses.h"
 
-/// What tests of the path follower share: a robot that obeys it, and a measure of how smoothly it moves.
+/// What tests of the controllers share: a robot that obeys it, and a measure of how smoothly it moves.
 namespace thalweg::controller::test {
 
 inline constexpr double kTick = 0.02;  ///< [s]
@@ -21,8 +22,16 @@ inline constexpr double kTick = 0.02;  ///< [s]
 /// to the last one that it has heard, and a path that is repeated ten times a second.
 class Ride {
  public:
-  explicit Ride(const RigidTransform& start, const PathFollower::Options& options = {})
-      : follower_(options), robot_(start), now_(Time{} + FromSeconds(100.0)) {}
+  explicit Ride(const RigidTransform& start, const PathFollower::Options& options = {},
+                ControllerType type = ControllerType::kPathFollower)
+      : Ride(start, MakeController(type, options), options) {}
+  /// @param options  Those that the controller has in common with ours.
+  Ride(const RigidTransform& start, std::unique_ptr<MotionController> controller,
+       const PathFollower::Options& options)
+      : options_(options),
+        controller_(std::move(controller)),
+        robot_(start),
+        now_(Time{} + FromSeconds(100.0)) {}
 
   void Follow(std::vector<RigidTransform> path) {
     path_ = std::move(path);
@@ -33,11 +42,11 @@ class Ride {
   Motion Tick() {
     now_ += FromSeconds(kTick);
     if (path_ && !path_silent && now_ - heard_path_ >= FromSeconds(0.1)) {
-      follower_.SetPath(id_, *path_, now_);
+      controller_->SetPath(id_, *path_, now_);
       heard_path_ = now_;
     }
-    if (!pose_silent) follower_.SetPose(robot_, now_);
-    Motion motion = follower_.Step(now_);
+    if (!pose_silent) controller_->SetPose(robot_, now_);
+    Motion motion = controller_->Step(now_);
     if (motion.command && !stuck) Obey(motion.command->T_WB);
     return motion;
   }
@@ -61,7 +70,8 @@ class Ride {
   double now() const { return Seconds(now_.time_since_epoch()); }
   double last_heard() const { return Seconds(heard_path_.time_since_epoch()); }
   RigidTransform& robot() { return robot_; }
-  PathFollower& follower() { return follower_; }
+  const PathFollower::Options& options() const { return options_; }
+  MotionController& controller() { return *controller_; }
   Time time() const { return now_; }
 
   bool path_silent = false;
@@ -75,12 +85,13 @@ class Ride {
     if (!heard_) return;
     const Eigen::Vector3d p_W = robot_.translation();
     const Eigen::Vector3d step = heard_->translation() - p_W;
-    const double reach = follower_.options().robot.max_speed * kTick;
+    const double reach = options_.robot.max_speed * kTick;
     robot_ = *heard_;
     if (step.norm() > reach) robot_.translation() = p_W + step * (reach / step.norm());
   }
 
-  PathFollower follower_;
+  PathFollower::Options options_;
+  std::unique_ptr<MotionController> controller_;
   RigidTransform robot_;
   Time now_;
   Time id_;

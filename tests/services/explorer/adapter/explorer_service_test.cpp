@@ -264,14 +264,18 @@ TEST_F(ExplorerServiceTest, ReportsWhatItsPlanWasChosenFrom) {
   std::optional<sensor_msgs::msg::PointCloud2> field;
   bus_.Subscribe<topics::Frontiers>([&](const auto& message) { frontiers = message; });
   bus_.Subscribe<topics::Streamline>([&](const auto& message) { streamline = *dds::FromIdl(message); });
+  std::optional<sensor_msgs::msg::PointCloud2> sealed;
   bus_.Subscribe<topics::Field>([&](const auto& message) { field = message; });
+  bus_.Subscribe<topics::Sealed>([&](const auto& message) { sealed = message; });
   Explorer::Options options = test::GoingOptions();
   options.strategy = Configure("potential_flux");
   publishes_pose_ = false;
   RunningExplorer explorer(options);
-  ASSERT_TRUE(Until([&] { return Matched() && bus_.Writers<topics::Field>() == 1; }));
+  ASSERT_TRUE(Until([&] {
+    return Matched() && bus_.Writers<topics::Field>() == 1 && bus_.Writers<topics::Sealed>() == 1;
+  }));
   publishes_pose_ = true;
-  ASSERT_TRUE(Until([&] { return frontiers && streamline && field && path_; }));
+  ASSERT_TRUE(Until([&] { return frontiers && streamline && field && sealed && path_; }));
 
   EXPECT_EQ(frontiers->strategy(), "potential_flux");
   ASSERT_FALSE(frontiers->frontiers().empty());

@@ -40,6 +40,8 @@ TEST(MapperOptions, ComeFromTheScenarioAndElseFromTheCore) {
   scenario.mutable_mapper()->set_protect(true);
   scenario.mutable_mapper()->set_checkpoint_period_s(0.0);
   scenario.mutable_mapper()->set_log_odds_hit(0.7);
+  scenario.mutable_mapper()->mutable_filter()->set_type(Mapper::Filter::OUTLIER);
+  scenario.mutable_mapper()->mutable_filter()->set_neighbors(12);
   const MapperOptions options = OptionsFrom(scenario, "x");
   EXPECT_EQ(options.map.voxel_size, 0.07);
   EXPECT_EQ(options.map.max_range, 3.0);
@@ -47,6 +49,9 @@ TEST(MapperOptions, ComeFromTheScenarioAndElseFromTheCore) {
   EXPECT_TRUE(options.map.protect);
   EXPECT_EQ(options.map.log_odds_hit, 0.7F);
   EXPECT_EQ(options.checkpoint_period, Duration::zero());
+  EXPECT_EQ(options.filter.type, FilterOptions::Type::kOutlier);
+  EXPECT_EQ(options.filter.neighbors, 12);
+  EXPECT_EQ(options.filter.deviations, FilterOptions().deviations);
 }
 
 }  // namespace

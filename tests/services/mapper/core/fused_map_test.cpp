@@ -5,9 +5,11 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <set>
 #include <stdexcept>
 #include <string>
 
+#include "docs/examples/own_map.h"
 #include "services/mapper/core/map_engine.h"
 #include "tests/services/mapper/core/small_clouds.h"
 #include "tests/services/mapper/support/each_engine.h"
@@ -178,6 +180,32 @@ TEST_P(EachEngine, TakesOverValuesBeyondItsOwnLimitsAsTheyAre) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Engines, EachEngine, test::kEngines, test::NameOfEngine);
+
+TEST(OwnMap, KeepsTheContractOfAFusedMap) {
+  OnceOccupied map{OccupancyGrid(0.1)};
+  EXPECT_TRUE(map.empty());
+  OccupancyGrid copy(0.1);
+  std::mt19937 random(5);
+  const AnalyticRoom room = AnalyticRoom::Furnished();
+  const auto camera = PinholeCamera::FromFieldOfView(50, 40, 1.3);
+  for (int scan = 0; scan < 10; ++scan) {
+    const RigidTransform T_WC = room.RandomPose(random);
+    const PointCloud cloud = room.Render(camera, T_WC, 4.0);
+    for (const VoxelChange& change : map.Integrate(cloud, T_WC)) {
+      EXPECT_NE(change.log_odds, copy.LogOdds(change.voxel)) << "changes twice, or not at all";
+      EXPECT_NE(copy.State(change.voxel), VoxelState::kOccupied) << "is occupied for good";
+      copy.Set(change.voxel, change.log_odds);
+    }
+    EXPECT_TRUE(map.Snapshot().SameAs(copy));
+    std::set<std::uint32_t> pixels;
+    for (const Hit& hit : map.hits()) {
+      EXPECT_EQ(copy.IndexOf(T_WC * cloud.points_C[hit.pixel].cast<double>()), hit.voxel);
+      EXPECT_EQ(copy.State(hit.voxel), VoxelState::kOccupied);
+      EXPECT_TRUE(pixels.insert(hit.pixel).second);
+    }
+  }
+  EXPECT_FALSE(map.empty());
+}
 
 }  // namespace
 }  // namespace thalweg::mapper

@@ -69,6 +69,22 @@ TEST(SealedField, HardlyChangesTheFieldWhereSomethingFlows) {
   EXPECT_NEAR(HarmonicField::InflowOf(solver.cells, phi, group, 1).front(), inflow, 0.01 * inflow);
 }
 
+TEST(SealedField, NamesTheCellsThatTheNextSolveDoesWithout) {
+  const FieldMap map = ExploredComb(8);
+  Solver solver;
+  EXPECT_TRUE(solver.field.sealed().empty());
+  solver.Solve(map);
+  const std::vector<VoxelIndex> sealed = solver.field.sealed();
+  EXPECT_EQ(sealed.size(), solver.field.sealed_cells());
+  solver.Solve(map);
+  FieldMap expected = map;
+  for (const VoxelIndex& cell : sealed) {
+    EXPECT_EQ(expected[cell], FieldCell::kFree) << "or it is named twice";
+    expected[cell] = FieldCell::kWall;
+  }
+  for (std::size_t k = 0; k < map.size(); ++k) EXPECT_EQ(solver.cells[k], expected[k]) << k;
+}
+
 TEST(SealedField, IsOpenedWhereSomethingChanges) {
   const FieldMap map = ExploredComb(8);
   const auto room_is_open_after = [&](const std::function<void(FieldMap&)>& change,

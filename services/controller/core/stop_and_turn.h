@@ -1,0 +1,56 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "services/controller/core/path_follower.h"
+
+namespace thalweg::controller {
+
+/// Leads the robot from pose to pose of its path: at each one it stops, turns on the spot to the orientation
+/// of the next, then moves straight there. For bases that cannot do both at once, and for odometry from
+/// images that suffers from turns in motion. A robot that must face where it moves faces along each leg.
+///
+/// Each turn and each leg is a path of its own for a PathFollower, whose limits, checks and stops are those
+/// of this controller, too. Only a leg that has begun is checked against the map.
+class StopAndTurn final : public MotionController {
+ public:
+  /// Throws std::invalid_argument naming the invalid option.
+  explicit StopAndTurn(const PathFollower::Options& options);
+
+  void SetPath(Time id, std::vector<RigidTransform> T_WBs, Time now) override;
+  void SetPose(const RigidTransform& T_WB, Time stamp) override;
+  void SetLost(bool lost, Time stamp) override { follower_.SetLost(lost, stamp); }
+  void SetMap(const OccupancyGrid& map, Time now) override { follower_.SetMap(map, now); }
+  void SetStays(bool stays) override { follower_.SetStays(stays); }
+  Motion Step(Time now) override;
+  /// To the end of the present turn or leg.
+  std::vector<TrajectoryPoint> Preview(double step, double horizon) const override {
+    return follower_.Preview(step, horizon);
+  }
+
+ private:
+  struct Leg {
+    std::vector<RigidTransform> T_WBs;
+    double length = 0.0;  ///< [m]
+  };
+  struct Path {
+    Time id;
+    std::vector<RigidTransform> T_WBs;
+    Time heard;
+  };
+
+  void MakeLegs();
+  RigidTransform EndOf(const RigidTransform& from, const RigidTransform& to, bool is_last) const;
+  void FollowLeg();
+  Motion Whole(Motion of_leg) const;
+
+  PathFollower follower_;
+  std::optional<Path> path_;
+  std::optional<RigidTransform> T_WB_;
+  std::vector<Leg> legs_;  ///< Empty until the path has been joined.
+  std::size_t leg_ = 0;    ///< The one that is followed.
+  bool went_back_ = false;
+};
+
+}  // namespace thalweg::controller
