@@ -1,6 +1,6 @@
 // libFuzzer target: for any bytes as a checkpoint of the mapper, as its journal, as one scan of it, as the
-// patches in either or as a file of OctoMap, the readers return a map that can be gone on with, or say what
-// is wrong, and take up no more memory than their limits.
+// patches in either, as a file of OctoMap or as a PLY, the readers return a map that can be gone on with, or
+// say what is wrong, and take up no more memory than their limits.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -12,6 +12,8 @@
 #include "services/mapper/adapter/checkpoint.h"
 #include "services/mapper/core/map_patch.h"
 #include "services/mapper/core/octomap_file.h"
+#include "services/mapper/core/ply_file.h"
+#include "services/mapper/core/ply_map.h"
 
 namespace {
 
@@ -97,6 +99,19 @@ void FuzzOctomap(const std::string& bytes) {
   map->grid.ForEachKnown([](const VoxelIndex& voxel, float) { Require(InIndexRange(voxel)); });
 }
 
+void FuzzPly(const std::string& bytes) {
+  constexpr std::size_t kMostBlocks = 64;
+  const Bytes all(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+  const auto ply = DecodePly(all);
+  if (!ply) return Require(!ply.error().empty());
+  Require(ply->points.size() <= bytes.size());
+  Require(ply->colors.empty() || ply->colors.size() == ply->points.size());
+  const auto map = MapOf(*ply, ply->map_voxel_size.value_or(0.1), kMostBlocks);
+  if (!map) return Require(!map.error().empty());
+  Require(map->grid.block_count() <= kMostBlocks);
+  map->grid.ForEachKnown([](const VoxelIndex& voxel, float) { Require(InIndexRange(voxel)); });
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -115,6 +130,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   FuzzOctomap("# Octomap OcTree file\nid OcTree\nres 0.1\ndata\n" + text);
   FuzzOctomap("# Octomap OcTree file\nid ColorOcTree\nres 0.1\ndata\n" + text);
   FuzzOctomap("# Octomap OcTree binary file\nid OcTree\nres 0.1\ndata\n" + text);
+  FuzzPly(text);
+  for (const char* const format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+    const std::string ply = "ply\nformat " + std::string(format) + " 1.0\n";
+    FuzzPly(ply + text);
+    FuzzPly(ply +
+            "comment thalweg voxel_size 0.1\nelement vertex 4\nproperty float x\nproperty char y\nproperty "
+            "char z\n"
+            "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+            "element face 2\nproperty list uchar uchar vertex_indices\nend_header\n" +
+            text);
+    FuzzPly(ply +
+            "element vertex 4\nproperty char x\nproperty char y\nproperty char z\n"
+            "element face 2\nproperty list uchar uchar vertex_indices\nend_header\n" +
+            text);
+  }
   FuzzPatch(bytes);
   FuzzPatch(Packed(bytes));
   return 0;

@@ -8,6 +8,16 @@
 #include "common/base/text.h"
 
 namespace thalweg::mapper {
+namespace {
+
+std::string BoundsText(const Eigen::AlignedBox3d& bounds_W) {
+  const Eigen::Vector3d low_W = bounds_W.min();
+  const Eigen::Vector3d high_W = bounds_W.max();
+  return fmt::format("  bounds    x {:.2f} to {:.2f}, y {:.2f} to {:.2f}, z {:.2f} to {:.2f} m\n", low_W.x(),
+                     high_W.x(), low_W.y(), high_W.y(), low_W.z(), high_W.z());
+}
+
+}  // namespace
 
 std::string Describe(const LoadedMap& loaded) {
   const double voxel_size = loaded.map.grid.voxel_size();
@@ -20,11 +30,17 @@ std::string Describe(const LoadedMap& loaded) {
       CleanText(loaded.format), NumberText(voxel_size), summary.free, summary.occupied, summary.colored);
   text += fmt::format("  volume    {:.2f} m3 free, {:.2f} m3 occupied\n", volume(summary.free),
                       volume(summary.occupied));
-  if (!summary.bounds_W) return text;
-  const Eigen::Vector3d low_W = summary.bounds_W->min();
-  const Eigen::Vector3d high_W = summary.bounds_W->max();
-  return text + fmt::format("  bounds    x {:.2f} to {:.2f}, y {:.2f} to {:.2f}, z {:.2f} to {:.2f} m\n",
-                            low_W.x(), high_W.x(), low_W.y(), high_W.y(), low_W.z(), high_W.z());
+  return summary.bounds_W ? text + BoundsText(*summary.bounds_W) : text;
+}
+
+std::string Describe(const PlyFile& ply) {
+  Eigen::AlignedBox3d bounds_W;
+  for (const Eigen::Vector3d& point_W : ply.points) bounds_W.extend(point_W);
+  const std::string text =
+      fmt::format("  format    {}\n  holds     {} points, {} triangles, {}\n", FormatOf(ply),
+                  ply.points.size(), ply.triangles.size(), ply.colors.empty() ? "without colors" : "colored");
+  return text + BoundsText(bounds_W) +
+         "  voxels    none: `thalweg map convert` with --voxel-size makes a map of it\n";
 }
 
 std::string Describe(const MapDifference& difference) {

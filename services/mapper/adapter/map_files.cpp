@@ -14,11 +14,10 @@
 #include "common/files/write_file.h"
 #include "common/geometry/height_color.h"
 #include "services/mapper/core/octomap_keys.h"
+#include "services/mapper/core/ply_file.h"
 
 namespace thalweg::mapper {
 namespace {
-
-constexpr Rgb kNoColor{160, 160, 160};
 
 /// An OcTree whose clamping limits do not alter the values set. They would otherwise clamp our log-odds,
 /// though nothing updates this tree after it has been built.
@@ -43,33 +42,43 @@ std::string HeaderOf(const octomap::OcTree& tree, std::string_view first_line) {
 class PlyMesh {
  public:
   void AddSquare(const std::array<Eigen::Vector3d, 4>& corners_W, const Rgb& color) {
-    for (const Eigen::Vector3d& corner_W : corners_W) {
-      for (const double value : corner_W) Put(vertices_, static_cast<float>(value));
-      Put(vertices_, color);
-    }
+    for (const Eigen::Vector3d& corner_W : corners_W) PutVertex(vertices_, corner_W, color);
     Put(faces_, std::uint8_t{4});
     for (int corner = 0; corner < 4; ++corner) Put(faces_, 4 * squares_ + corner);
     ++squares_;
   }
 
-  std::string Encode() const {
+  /// Adds a vertex without a face, which is not seen where meshes are shown.
+  void AddPoint(const Eigen::Vector3d& p_W, const Rgb& color) {
+    PutVertex(points_, p_W, color);
+    ++point_count_;
+  }
+
+  std::string Encode(double voxel_size) const {
     std::ostringstream out;
     out << "ply\nformat binary_little_endian 1.0\ncomment occupied voxels of a map, in meters\n"
-        << "element vertex " << 4 * squares_ << "\nproperty float x\nproperty float y\nproperty float z\n"
+        << kPlyVoxelSize << fmt::format("{}", voxel_size) << "\nelement vertex "
+        << 4 * squares_ + point_count_ << "\nproperty float x\nproperty float y\nproperty float z\n"
         << kPlyColors << "element face " << squares_
         << "\nproperty list uchar int vertex_indices\nend_header\n"
-        << vertices_ << faces_;
+        << vertices_ << points_ << faces_;
     return out.str();
   }
 
  private:
+  static void PutVertex(std::string& bytes, const Eigen::Vector3d& p_W, const Rgb& color) {
+    for (const double value : p_W) Put(bytes, static_cast<float>(value));
+    Put(bytes, color);
+  }
   template <class T>
   static void Put(std::string& bytes, const T& value) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
   }
-  std::string vertices_;
+  std::string vertices_;  ///< Corners of the squares.
+  std::string points_;
   std::string faces_;
   std::int32_t squares_ = 0;
+  std::int32_t point_count_ = 0;
 };
 
 /// The square between a voxel and its face neighbor, counterclockwise as seen from that neighbor.
@@ -116,13 +125,16 @@ std::string EncodePly(const OccupancyGrid& grid, const VoxelColors& colors) {
   PlyMesh mesh;
   grid.ForEachKnown([&](const VoxelIndex& voxel, float log_odds) {
     if (OccupancyGrid::StateOf(log_odds) != VoxelState::kOccupied) return;
-    const Rgb color = colors.At(voxel).value_or(kNoColor);
+    const Rgb color = colors.At(voxel).value_or(kPlyNoColor);
+    bool is_inside = true;
     for (const VoxelIndex& side : kFaceNeighbors) {
       if (grid.State(voxel + side) == VoxelState::kOccupied) continue;
+      is_inside = false;
       mesh.AddSquare(SquareTowards(voxel, side, grid.voxel_size()), color);
     }
+    if (is_inside) mesh.AddPoint(grid.CenterOf(voxel), color);
   });
-  return mesh.Encode();
+  return mesh.Encode(grid.voxel_size());
 }
 
 void SaveMap(const OccupancyGrid& grid, const VoxelColors& colors, const std::filesystem::path& folder) {

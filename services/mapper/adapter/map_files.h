@@ -26,7 +26,8 @@ std::string EncodeOt(const octomap::OcTree& tree);
 std::string EncodeBt(octomap::OcTree& tree);
 
 /// Encodes the occupied voxels as colored cubes without their inner faces, as binary little-endian PLY.
-/// Voxels without a color are gray.
+/// Voxels without a color are gray. Those without a face are vertices in their middles, and the header states
+/// the voxel size, so that DecodePly gets back each of them.
 std::string EncodePly(const OccupancyGrid& grid, const VoxelColors& colors);
 
 /// Writes map.bt, map.ot and map.ply into `folder`, each even if another one cannot be written. Throws

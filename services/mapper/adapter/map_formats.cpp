@@ -9,6 +9,7 @@
 #include "common/files/write_file.h"
 #include "services/mapper/adapter/checkpoint.h"
 #include "services/mapper/adapter/map_files.h"
+#include "services/mapper/core/ply_map.h"
 
 namespace thalweg::mapper {
 namespace {
@@ -17,6 +18,8 @@ constexpr auto kOt = ".ot";
 constexpr auto kBt = ".bt";
 constexpr auto kPly = ".ply";
 constexpr auto kCheckpoint = ".map";
+
+constexpr auto kNoFreeSpace = ", no free space";
 
 std::string ReadWhole(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file)) throw std::runtime_error(file.string() + ": is a folder");
@@ -28,19 +31,31 @@ std::string ReadWhole(const std::filesystem::path& file) {
   return std::move(bytes).str();
 }
 
+/// The value, unless there is none: then throws std::runtime_error naming the file and the reason.
+template <class T>
+T ValueOf(Result<T> result, const std::filesystem::path& file) {
+  if (!result) throw std::runtime_error(file.string() + ": " + result.error());
+  return *std::move(result);
+}
+
 }  // namespace
 
-LoadedMap LoadMap(const std::filesystem::path& file) {
+MapOrShape LoadMapOrShape(const std::filesystem::path& file) {
   const std::string text = ReadWhole(file);
   const Bytes bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
   if (IsOctomap(bytes)) {
-    Result<ColoredMap> map = DecodeOctomap(bytes, kMostStoredBlocks);
-    if (!map) throw std::runtime_error(file.string() + ": " + map.error());
     const bool is_bt = text.starts_with("# Octomap OcTree binary file");
-    return {*std::move(map), is_bt ? "OctoMap, free or occupied (.bt)" : "OctoMap, log-odds (.ot)"};
+    return LoadedMap{ValueOf(DecodeOctomap(bytes, kMostStoredBlocks), file),
+                     is_bt ? "OctoMap, free or occupied (.bt)" : "OctoMap, log-odds (.ot)"};
+  }
+  if (IsPly(bytes)) {
+    PlyFile ply = ValueOf(DecodePly(bytes), file);
+    if (!ply.map_voxel_size) return ply;
+    return LoadedMap{ValueOf(MapOf(ply, *ply.map_voxel_size, kMostStoredBlocks), file),
+                     std::string("occupied voxels as cubes (.ply)") + kNoFreeSpace};
   }
   if (!text.starts_with("THALWEG")) {
-    throw std::runtime_error(file.string() + ": is neither a map of OctoMap (.ot, .bt) nor a checkpoint");
+    throw std::runtime_error(file.string() + ": is no map of OctoMap (.ot, .bt), no checkpoint and no .ply");
   }
   Result<std::optional<StoredMap>> stored = LoadStoredMap(file);
   if (!stored) throw std::runtime_error(stored.error());
@@ -50,7 +65,23 @@ LoadedMap LoadMap(const std::filesystem::path& file) {
   if (whole.journal.applied > 0)
     format += " and " + std::to_string(whole.journal.applied) + " scans of its journal";
   if (!whole.journal.problem.empty()) format += "; journal: " + whole.journal.problem;
-  return {{std::move(whole.checkpoint.grid), std::move(whole.checkpoint.colors)}, std::move(format)};
+  return LoadedMap{{std::move(whole.checkpoint.grid), std::move(whole.checkpoint.colors)}, std::move(format)};
+}
+
+LoadedMap LoadMap(const std::filesystem::path& file, std::optional<double> voxel_size) {
+  MapOrShape loaded = LoadMapOrShape(file);
+  if (auto* const map = std::get_if<LoadedMap>(&loaded)) return std::move(*map);
+  const PlyFile& ply = std::get<PlyFile>(loaded);
+  if (!voxel_size) {
+    throw std::runtime_error(file.string() +
+                             ": states no voxel size; `thalweg map convert` with --voxel-size "
+                             "makes a map of it");
+  }
+  return {ValueOf(MapOf(ply, *voxel_size, kMostStoredBlocks), file), FormatOf(ply) + kNoFreeSpace};
+}
+
+std::string FormatOf(const PlyFile& ply) {
+  return ply.triangles.empty() ? "point cloud (.ply)" : "mesh (.ply)";
 }
 
 void CheckMapExtension(const std::filesystem::path& file) {

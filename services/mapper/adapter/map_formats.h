@@ -1,9 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <variant>
 
 #include "services/mapper/core/octomap_file.h"
+#include "services/mapper/core/ply_file.h"
 
 namespace thalweg::mapper {
 
@@ -13,9 +16,21 @@ struct LoadedMap {
   std::string format;  ///< For people: "OctoMap, log-odds (.ot)".
 };
 
-/// Loads a map of OctoMap's (.ot, .bt) or a mapper's checkpoint with the journal beside it, by what the file
-/// holds, whatever it is called. Throws std::runtime_error naming the file and what is wrong with it.
-LoadedMap LoadMap(const std::filesystem::path& file);
+/// What a file holds: a map, or a point cloud or mesh (.ply), of which a map can be made once somebody says
+/// how large its voxels are.
+using MapOrShape = std::variant<LoadedMap, PlyFile>;
+
+/// Loads a map of OctoMap's (.ot, .bt), a mapper's checkpoint with the journal beside it, or a .ply, by what
+/// the file holds, whatever it is called. Throws std::runtime_error naming the file and what is wrong with
+/// it.
+MapOrShape LoadMapOrShape(const std::filesystem::path& file);
+
+/// The same, as a map.
+/// @param voxel_size  [m] For a point cloud or mesh, which throws without it; a map has its own.
+LoadedMap LoadMap(const std::filesystem::path& file, std::optional<double> voxel_size = std::nullopt);
+
+/// For people: "point cloud (.ply)" or "mesh (.ply)".
+std::string FormatOf(const PlyFile& ply);
 
 /// Throws std::runtime_error if SaveMapAs does not know the file's extension.
 void CheckMapExtension(const std::filesystem::path& file);

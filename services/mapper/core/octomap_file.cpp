@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "common/base/text.h"
+#include "services/mapper/core/header_text.h"
 
 namespace thalweg::mapper {
 namespace {
@@ -24,22 +24,6 @@ struct Head {
   bool is_empty = false;
   std::size_t data = 0;  ///< [byte] Where the tree begins.
 };
-
-/// Takes a line from the front of a text; nothing if no line ends.
-std::optional<std::string_view> TakeLine(std::string_view& text) {
-  const std::size_t end = text.find('\n');
-  if (end == std::string_view::npos) return std::nullopt;
-  const std::string_view line = text.substr(0, end);
-  text.remove_prefix(end + 1);
-  return Trimmed(line);
-}
-
-std::optional<double> NumberIn(std::string_view text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 Result<Head> ReadHead(Bytes bytes) {
   std::string_view rest = TextOf(bytes);

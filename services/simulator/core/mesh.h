@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/geometry/point_cloud.h"
+#include "common/geometry/triangle.h"
 
 namespace thalweg::simulator {
 
@@ -30,5 +31,11 @@ struct Mesh {
   std::vector<Material> material_table;
   std::vector<Texture> textures;
 };
+
+inline Triangle TriangleOf(const Mesh& mesh, std::uint32_t index) {
+  const auto& corners = mesh.triangles[index];
+  return {mesh.vertices[corners[0]].cast<double>(), mesh.vertices[corners[1]].cast<double>(),
+          mesh.vertices[corners[2]].cast<double>()};
+}
 
 }  // namespace thalweg::simulator

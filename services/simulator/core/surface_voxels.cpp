@@ -1,7 +1,7 @@
 #include "services/simulator/core/surface_voxels.h"
 
+#include "common/geometry/triangle.h"
 #include "common/voxel/for_each_voxel.h"
-#include "services/simulator/core/triangle.h"
 
 namespace thalweg::simulator {
 namespace {

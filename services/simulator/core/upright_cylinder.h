@@ -1,6 +1,6 @@
 #pragma once
 
-#include "services/simulator/core/triangle.h"
+#include "common/geometry/triangle.h"
 
 namespace thalweg::simulator {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "common/geometry/robot_model.h"
+#include "common/geometry/triangle.h"
 #include "common/voxel/dense_grid.h"
-#include "services/simulator/core/triangle.h"
 #include "services/simulator/core/world.h"
 
 namespace thalweg::simulator {

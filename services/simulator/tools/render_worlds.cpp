@@ -9,9 +9,9 @@
 #include "common/base/angles.h"
 #include "common/base/parallel.h"
 #include "common/files/write_picture.h"
+#include "common/geometry/triangle.h"
 #include "common/service/command_line.h"
 #include "services/simulator/adapter/load_mesh.h"
-#include "services/simulator/core/triangle.h"
 
 namespace {
 
@@ -76,7 +76,7 @@ class Cutaway {
 
   /// Whether the ray began inside a solid of the mesh.
   bool ShowsItsBack(const simulator::Hit& hit) const {
-    const simulator::Triangle triangle = simulator::TriangleOf(world_.mesh(), hit.triangle);
+    const Triangle triangle = simulator::TriangleOf(world_.mesh(), hit.triangle);
     return (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).dot(forward_) > 0.0;
   }
 

@@ -80,6 +80,57 @@ TEST_F(MapCommand, CropAndMergeAreInverse) {
   EXPECT_EQ(Map("crop a.ot none.ot --min 1 0 0 --max 0 2 1").exit_code, 1);
 }
 
+/// The floor of the first map as a foreign point cloud: a point in the middle of each voxel.
+void WriteScan(const fs::path& file) {
+  std::ofstream out(file);
+  out << "ply\nformat ascii 1.0\nelement vertex 64\nproperty float x\nproperty float y\nproperty float z\n"
+         "end_header\n";
+  for (int k = 0; k < 64; ++k) out << 0.125 + 0.25 * (k % 8) << ' ' << 0.125 + 0.25 * (k / 8) << " 0.1\n";
+}
+
+TEST_F(MapCommand, OfAPointCloudTheVoxelSizeMakesAMap) {
+  WriteScan(folder_ / "scan.ply");
+  const Outcome info = Map("info scan.ply");
+  EXPECT_EQ(info.exit_code, 0) << info.text;
+  EXPECT_THAT(info.text, HasSubstr("scan.ply\n  format    point cloud (.ply)\n  holds     64 points"));
+  const Outcome convert = Map("convert scan.ply scan.ot --voxel-size 0.25");
+  EXPECT_EQ(convert.exit_code, 0) << convert.text;
+  EXPECT_EQ(Load("scan.ot").grid.LogOdds({2, 3, 0}), mapper::kOccupiedOfBt);
+  EXPECT_EQ(Load("scan.ot").grid.State({8, 3, 0}), VoxelState::kUnknown);
+  EXPECT_EQ(Map("crop scan.ply left.ot --voxel-size 0.5 --min 0 0 0 --max 1 2 1").exit_code, 0);
+  EXPECT_EQ(Load("left.ot").grid.State({1, 3, 0}), VoxelState::kOccupied);
+  EXPECT_EQ(Load("left.ot").grid.State({2, 3, 0}), VoxelState::kUnknown);
+  for (const char* const command :
+       {"convert scan.ply none.ot", "diff scan.ply scan.ply", "merge scan.ply scan.ply -o none.ot"}) {
+    const Outcome outcome = Map(command);
+    EXPECT_EQ(outcome.exit_code, 1) << command;
+    EXPECT_THAT(outcome.text, HasSubstr("scan.ply: states no voxel size"));
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "none.ot"));
+}
+
+TEST_F(MapCommand, AmongMapsAPointCloudHasTheirVoxelSize) {
+  WriteScan(folder_ / "scan.ply");
+  for (const char* const order : {"a.ot scan.ply", "scan.ply a.ot"}) {
+    const Outcome diff = Map("diff " + std::string(order));
+    EXPECT_EQ(diff.exit_code, 1) << diff.text;
+    EXPECT_THAT(diff.text, HasSubstr("1.562 % of the 64 voxels known to both agree"));
+    EXPECT_EQ(Map("merge " + std::string(order) + " -o both.ot").exit_code, 0);
+    EXPECT_EQ(Load("both.ot").grid.LogOdds({0, 0, 0}), mapper::kOccupiedOfBt - 1.0F);
+  }
+}
+
+TEST_F(MapCommand, AMapReadsItsOwnPly) {
+  EXPECT_EQ(Map("convert a.ot a.ply").exit_code, 0);
+  const Outcome info = Map("info a.ply");
+  EXPECT_THAT(info.text, HasSubstr("occupied voxels as cubes (.ply), no free space\n"
+                                   "  voxels    0.25 m, 0 free, 1 occupied"));
+  EXPECT_EQ(Map("convert a.ply b.bt").exit_code, 0);
+  EXPECT_EQ(Load("b.bt").grid.State({2, 3, 0}), VoxelState::kOccupied);
+  EXPECT_THAT(Map("convert a.ply c.bt --voxel-size 0.1").text,
+              HasSubstr("must be a multiple of the map's 0.25 m"));
+}
+
 TEST_F(MapCommand, WhatItCannotReadOrWriteIsNamedAndNothingIsWritten) {
   std::ofstream(folder_ / "cut.bt") << "# Octomap OcTree binary file\nid OcTree\nsize 3\nres 0.1\ndata\n1";
   const Outcome cut = Map("convert cut.bt out.ot");

@@ -27,6 +27,20 @@ TEST(DescribeMap, AnEmptyOneHasNoBounds) {
             "  volume    0.00 m3 free, 0.00 m3 occupied\n");
 }
 
+TEST(DescribePly, SaysWhatItHoldsAndThatItIsNoMapYet) {
+  PlyFile ply;
+  ply.points = {{-1.0, 0.0, 2.0}, {3.0, 0.5, 2.0}, {0.0, 0.0, 2.25}};
+  EXPECT_EQ(Describe(ply),
+            "  format    point cloud (.ply)\n"
+            "  holds     3 points, 0 triangles, without colors\n"
+            "  bounds    x -1.00 to 3.00, y 0.00 to 0.50, z 2.00 to 2.25 m\n"
+            "  voxels    none: `thalweg map convert` with --voxel-size makes a map of it\n");
+  ply.triangles = {{0, 1, 2}};
+  ply.colors.resize(3);
+  EXPECT_TRUE(
+      Describe(ply).starts_with("  format    mesh (.ply)\n  holds     3 points, 1 triangles, colored\n"));
+}
+
 TEST(DescribeDifference, IsATableWithTheShareThatAgrees) {
   MapDifference difference;
   difference.counts = {{{0, 1, 2}, {3, 40, 5}, {6, 7, 28}}};

@@ -1,4 +1,4 @@
-#include "services/simulator/core/triangle.h"
+#include "common/geometry/triangle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "common/geometry/polyline.h"
 
-namespace thalweg::simulator {
+namespace thalweg {
 namespace {
 
 struct Interval {
@@ -93,4 +93,4 @@ std::vector<Eigen::Vector3d> ClipToSlab(const Triangle& triangle, int axis, doub
   return polygon;
 }
 
-}  // namespace thalweg::simulator
+}  // namespace thalweg

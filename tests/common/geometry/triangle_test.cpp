@@ -1,10 +1,10 @@
-#include "services/simulator/core/triangle.h"
+#include "common/geometry/triangle.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-namespace thalweg::simulator {
+namespace thalweg {
 namespace {
 
 const Eigen::AlignedBox3d kUnit(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 1, 1));
@@ -79,4 +79,4 @@ TEST(Triangle, ATriangleWithoutAreaIsASegment) {
 }
 
 }  // namespace
-}  // namespace thalweg::simulator
+}  // namespace thalweg

@@ -4,17 +4,9 @@
 #include <array>
 #include <vector>
 
-#include "services/simulator/core/mesh.h"
-
-namespace thalweg::simulator {
+namespace thalweg {
 
 using Triangle = std::array<Eigen::Vector3d, 3>;
-
-inline Triangle TriangleOf(const Mesh& mesh, std::uint32_t index) {
-  const auto& corners = mesh.triangles[index];
-  return {mesh.vertices[corners[0]].cast<double>(), mesh.vertices[corners[1]].cast<double>(),
-          mesh.vertices[corners[2]].cast<double>()};
-}
 
 /// Exact, including for degenerate triangles without area.
 double DistanceToTriangle(const Eigen::Vector3d& p, const Triangle& triangle);
@@ -31,4 +23,4 @@ std::vector<Eigen::Vector3d> ClipToBox(const Triangle& triangle, const Eigen::Al
 /// The part of a triangle between the planes at `low` and `high` across an axis, in the same form.
 std::vector<Eigen::Vector3d> ClipToSlab(const Triangle& triangle, int axis, double low, double high);
 
-}  // namespace thalweg::simulator
+}  // namespace thalweg
