@@ -216,7 +216,10 @@ class PlyReader {
     for (const PlyElement& element : head_.elements) {
       if (!ReadElement(element)) return Error{problem_};
     }
-    if (file_.points.empty() && !file_.map_voxel_size) return Error{"has no vertices"};
+    if (!file_.triangles.empty() && first_missing_)
+      return Error{"has faces, but no place for vertex " + std::to_string(*first_missing_)};
+    if (first_missing_) DropMissing();
+    if (file_.points.empty() && !file_.map_voxel_size) return Error{"has no vertices with a place"};
     for (const auto& corners : file_.triangles) {
       const std::uint32_t last = std::ranges::max(corners);
       if (last < file_.points.size()) continue;
@@ -284,7 +287,8 @@ class PlyReader {
     const bool has_colors = std::ranges::all_of(color, is_there);
     return ForEachRecord(element, std::nullopt, [&](std::uint64_t record) {
       const Eigen::Vector3d point(values_[*place[0]], values_[*place[1]], values_[*place[2]]);
-      if (!point.allFinite()) return Fail(element, record, "has a coordinate that is no finite number");
+      if (point.array().isInf().any()) return Fail(element, record, "has an infinite coordinate");
+      if (point.hasNaN() && !first_missing_) first_missing_ = record;
       file_.points.push_back(point);
       if (!has_colors) return true;
       std::array<std::uint8_t, 3> channels{};
@@ -297,6 +301,19 @@ class PlyReader {
       file_.colors.push_back({channels[0], channels[1], channels[2]});
       return true;
     });
+  }
+
+  /// Some tools write the pixels of a camera's cloud that were not measured, too, as NaN.
+  void DropMissing() {
+    std::vector<Eigen::Vector3d> points;
+    std::vector<Rgb> colors;
+    for (std::size_t k = 0; k < file_.points.size(); ++k) {
+      if (file_.points[k].hasNaN()) continue;
+      points.push_back(file_.points[k]);
+      if (!file_.colors.empty()) colors.push_back(file_.colors[k]);
+    }
+    file_.points = std::move(points);
+    file_.colors = std::move(colors);
   }
 
   bool ReadFaces(const PlyElement& element) {
@@ -320,6 +337,7 @@ class PlyReader {
   const PlyHead& head_;
   PlyNumbers numbers_;
   PlyFile file_;
+  std::optional<std::uint64_t> first_missing_;  ///< The first vertex with a NaN.
   std::string problem_;
   std::vector<double> values_;
   std::vector<double> list_;

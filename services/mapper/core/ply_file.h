@@ -31,7 +31,8 @@ inline constexpr Rgb kPlyNoColor{160, 160, 160};
 
 /// Decodes a PLY file, ascii or binary in either byte order, with any elements and properties [Turk: The PLY
 /// Polygon File Format, 1994]. Reads x, y and z of its vertices; red, green and blue where it has all three,
-/// 0 to 255 as integers, else 0 to 1; and its faces, polygons as fans of triangles.
+/// 0 to 255 as integers, else 0 to 1; and its faces, polygons as fans of triangles. Points of a cloud with a
+/// NaN are left out.
 /// Takes memory in proportion to the bytes, whatever the header claims. No library of Debian 12 does: assimp
 /// 5.2 writes beyond its memory for a header with two vertex elements, does not end for one without an end,
 /// invents the vertices that a file cut off lacks, and misreads vertices after other elements.

@@ -185,6 +185,19 @@ TEST(PlyFileText, MayHaveOtherLineEndsSignsAndSpaces) {
   }
 }
 
+TEST(PlyFileText, PointsThatWereNotMeasuredAreLeftOutOfACloudAndRefusedInAMesh) {
+  const std::string colored =
+      "element vertex 3\n" + kPlace + "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  const std::string body = "1 2 3 10 20 30\nnan nan nan 0 0 0\n4 5 6 40 50 60\n";
+  const auto file = DecodePly(PlyBytesOf(TextPly(colored, body)));
+  ASSERT_TRUE(file) << file.error();
+  EXPECT_THAT(file->points, ElementsAre(Eigen::Vector3d(1.0, 2.0, 3.0), Eigen::Vector3d(4.0, 5.0, 6.0)));
+  EXPECT_THAT(file->colors, ElementsAre(Rgb{10, 20, 30}, Rgb{40, 50, 60}));
+  const std::string mesh = colored + "element face 1\nproperty list uchar int vertex_indices\n";
+  EXPECT_THAT(ErrorOfPly(TextPly(mesh, body + "3 0 1 2\n")), HasSubstr("no place for vertex 1"));
+  EXPECT_EQ(ErrorOfPly(TextPly("element vertex 1\n" + kPlace, "nan 0 0\n")), "has no vertices with a place");
+}
+
 TEST(PlyFileErrors, NameWhatIsWrongWithTheHeader) {
   const auto error_of = [](const std::string& line) { return ErrorOfPly(TextPly(line + "\n", "")); };
   EXPECT_THAT(ErrorOfPly("plyx\n"), HasSubstr("is no PLY"));
@@ -210,13 +223,13 @@ TEST(PlyFileErrors, NameWhatIsWrongAndWhere) {
   EXPECT_THAT(error_of("1 2 3\n4 5\n"), HasSubstr("is cut off, in vertex 1 of 2"));
   EXPECT_THAT(error_of("1 2 3 9\n4 5 6\n"), HasSubstr("has more values than its header states, in vertex 0"));
   EXPECT_THAT(error_of("1 2 3\n4 \x1b[31m 6\n"), HasSubstr("has \"\uFFFD[31m\" for a number, in vertex 1"));
-  for (const char* const bad : {"nan", "inf", "-inf"}) {
+  for (const char* const bad : {"inf", "-inf"}) {
     EXPECT_THAT(error_of("1 2 3\n4 " + std::string(bad) + " 6\n"),
-                HasSubstr("has a coordinate that is no finite number, in vertex 1 of 2"));
+                HasSubstr("has an infinite coordinate, in vertex 1 of 2"));
   }
   EXPECT_THAT(error_of("1 2 3\n4 1e999 6\n"), HasSubstr("has \"1e999\" for a number"));
-  EXPECT_EQ(ErrorOfPly(TextPly("element vertex 0\n" + kPlace, "")), "has no vertices");
-  EXPECT_EQ(ErrorOfPly(TextPly("", "")), "has no vertices");
+  EXPECT_EQ(ErrorOfPly(TextPly("element vertex 0\n" + kPlace, "")), "has no vertices with a place");
+  EXPECT_EQ(ErrorOfPly(TextPly("", "")), "has no vertices with a place");
   EXPECT_THAT(ErrorOfPly(TextPly("element vertex 1\n", "1 2 3")), HasSubstr("has no properties"));
   EXPECT_THAT(ErrorOfPly(TextPly("element vertex 1\nproperty float x\n", "1")), HasSubstr("lacks x, y or z"));
   const std::string colored = "element vertex 1\n" + kPlace + kColor;
