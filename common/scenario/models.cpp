@@ -53,6 +53,18 @@ void Visit(OptionVisitor& visitor, DepthSensorModel& sensor) {
 void Visit(OptionVisitor& visitor, MapModel& map) {
   visitor.Number("voxel_size_m", map.voxel_size);
   visitor.Number("max_range_m", map.max_range);
+  visitor.Block("filter", [&](OptionVisitor& filter) {
+    using Type = FilterModel::Type;
+    filter.Choice("type", map.filter.type,
+                  {{"NONE", Type::kNone},
+                   {"DISTANCE", Type::kDistance},
+                   {"VOXEL", Type::kVoxel},
+                   {"OUTLIER", Type::kOutlier}});
+    filter.Number("max_distance_m", map.filter.max_distance);
+    filter.Number("cell_m", map.filter.cell);
+    filter.Whole("neighbors", map.filter.neighbors);
+    filter.Number("deviations", map.filter.deviations);
+  });
 }
 
 void Visit(OptionVisitor& visitor, DepthErrorModel& error) {

@@ -27,7 +27,7 @@ class OnceOccupied final : public thalweg::mapper::FusedMap {
       const Eigen::Vector3f& p_C = cloud.points_C[pixel];
       if (!is_measured(p_C)) continue;
       const thalweg::VoxelIndex end = map_.IndexOf(T_WC * p_C.cast<double>());
-      if (!seen.insert(end).second) continue;
+      if (!thalweg::InIndexRange(end) || !seen.insert(end).second) continue;
       hits_.push_back({.voxel = end, .pixel = pixel});
       if (map_.State(end) != thalweg::VoxelState::kOccupied) Set(end, 1.0F);
     }
@@ -37,6 +37,7 @@ class OnceOccupied final : public thalweg::mapper::FusedMap {
       const int steps = static_cast<int>(2.0 * ray_W.norm() / map_.voxel_size()) + 1;
       for (int step = 0; step < steps; ++step) {
         const thalweg::VoxelIndex passed = map_.IndexOf(eye_W + ray_W * step / steps);
+        if (!thalweg::InIndexRange(passed)) break;
         if (map_.State(passed) == thalweg::VoxelState::kUnknown) Set(passed, -1.0F);
       }
     }

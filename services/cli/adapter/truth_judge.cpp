@@ -18,7 +18,7 @@ void TruthJudge::Begin(const Scenario& scenario, const Eigen::Vector3d& start_W,
   options.robot = RobotFrom(scenario);
   const DepthSensorModel sensor = DepthSensorFrom(scenario);
   options.camera = sensor.camera;
-  options.view_range = std::min(MapFrom(scenario).max_range, sensor.max_range);
+  options.view_range = MapFrom(scenario).SeenRange(sensor.max_range);
   computing_ = std::async(std::launch::async, [scenario, start_W, options] {
     simulator::World world = simulator::LoadWorld(scenario);
     simulator::CheckExtent(world, options.voxel_size);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -48,17 +49,26 @@ ColoredMap LoadWithVoxelSize(const Path& file, double voxel_size) {
   return *factor > 1 ? mapper::Coarsen(map, *factor) : std::move(map);
 }
 
-/// Loads the first of maps of one place. A point cloud or mesh gets the voxel size of the first map after it.
-LoadedMap LoadFirst(const std::vector<Path>& files) {
-  MapOrShape first = mapper::LoadMapOrShape(files.front());
-  if (auto* const map = std::get_if<LoadedMap>(&first)) return std::move(*map);
-  for (std::size_t k = 1; k < files.size(); ++k) {
-    const MapOrShape other = mapper::LoadMapOrShape(files[k]);
-    if (const auto* const map = std::get_if<LoadedMap>(&other)) {
-      return LoadMap(files.front(), map->map.grid.voxel_size());
+/// Loads maps of one place and hands them over in their order. Each file is read once, since it may be a
+/// pipe. Point clouds and meshes get the voxel size of the first map among them, whose file may come after
+/// theirs.
+void ForEachMap(const std::vector<Path>& files, const std::function<void(LoadedMap, const Path&)>& take) {
+  std::optional<double> voxel_size;
+  std::vector<MapOrShape> waiting;
+  std::size_t taken = 0;
+  for (const Path& file : files) {
+    waiting.push_back(mapper::LoadMapOrShape(file));
+    const auto* const map = std::get_if<LoadedMap>(&waiting.back());
+    if (!voxel_size && map != nullptr) voxel_size = map->map.grid.voxel_size();
+    if (!voxel_size) continue;
+    for (MapOrShape& loaded : waiting) {
+      const Path& its_file = files[taken++];
+      take(mapper::AsMap(std::move(loaded), its_file, voxel_size), its_file);
     }
+    waiting.clear();
   }
-  return LoadMap(files.front());
+  // None of the files has voxels.
+  if (!waiting.empty()) mapper::AsMap(std::move(waiting.front()), files.front(), std::nullopt);
 }
 
 void AddMapInfo(CLI::App& map) {
@@ -105,12 +115,13 @@ void AddMapDiff(CLI::App& map, int& exit_code) {
                       "Also write what appeared (green) and what vanished (red), as .ply");
   command->callback([args, &exit_code] {
     if (!args->out.empty()) mapper::CheckMapExtension(args->out);
-    const LoadedMap first = LoadFirst({args->first, args->second});
-    const LoadedMap second = LoadMap(args->second, first.map.grid.voxel_size());
-    const mapper::MapDifference difference = mapper::DifferenceOf(first.map.grid, second.map.grid);
+    std::vector<LoadedMap> maps;
+    ForEachMap({args->first, args->second},
+               [&](LoadedMap loaded, const Path&) { maps.push_back(std::move(loaded)); });
+    const mapper::MapDifference difference = mapper::DifferenceOf(maps[0].map.grid, maps[1].map.grid);
     fmt::print("{}", mapper::Describe(difference));
     if (!args->out.empty()) {
-      mapper::SaveMapAs(mapper::PaintedDifference(difference, first.map.grid.voxel_size()), args->out);
+      mapper::SaveMapAs(mapper::PaintedDifference(difference, maps[0].map.grid.voxel_size()), args->out);
     }
     exit_code = difference.differing() == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
   });
@@ -150,15 +161,19 @@ void AddMapMerge(CLI::App& map) {
   command->add_option("-o,--out", args->out, kWrites)->required();
   command->callback([args] {
     mapper::CheckMapExtension(args->out);
-    ColoredMap merged = LoadFirst(args->files).map;
-    for (std::size_t k = 1; k < args->files.size(); ++k) {
-      try {
-        mapper::Merge(LoadMap(args->files[k], merged.grid.voxel_size()).map, merged);
-      } catch (const std::invalid_argument& error) {
-        throw std::runtime_error(args->files[k].string() + ": " + error.what());
+    std::optional<ColoredMap> merged;
+    ForEachMap(args->files, [&](LoadedMap loaded, const Path& file) {
+      if (!merged) {
+        merged.emplace(std::move(loaded.map));
+        return;
       }
-    }
-    mapper::SaveMapAs(merged, args->out);
+      try {
+        mapper::Merge(loaded.map, *merged);
+      } catch (const std::invalid_argument& error) {
+        throw std::runtime_error(file.string() + ": " + error.what());
+      }
+    });
+    mapper::SaveMapAs(*merged, args->out);
   });
 }
 

@@ -128,7 +128,7 @@ Motion PathFollower::Step(Time now) {
     const bool goes_on = !path_silent_ && Seconds(now - path_heard_) >= options_.silence;
     if (goes_on && state_ == MotionState::kFollowing && reason_ == StopReason::kNone)
       reason_ = StopReason::kGoingOn;
-    if (Lost(now) && !path_silent_ && Standing()) GoBack(dt_);
+    if (Lost(now) && !path_silent_ && standing()) GoBack(dt_);
     if (has_command_ && !back_)
       retreat_.Note(MakeTransform(orientation_.q_WB().toRotationMatrix(), CommandedPosition()));
     if (path_back_ && joined_) path_back_left_ = track_->length() - s_;
@@ -161,7 +161,7 @@ bool PathFollower::Silent(Time heard, Time now) const {
 
 void PathFollower::BeginPathBack(Time now) {
   const bool is_cut_off = path_ && Seconds(now - path_heard_) >= options_.silence;
-  if (!is_cut_off || path_back_ || stays_ || !Standing() || !pose_ || Silent(pose_->stamp, now) || Lost(now))
+  if (!is_cut_off || path_back_ || stays_ || !standing() || !pose_ || Silent(pose_->stamp, now) || Lost(now))
     return;
   auto T_WBs = cut_off_.PathBack(now);
   if (!T_WBs) return;
@@ -213,7 +213,7 @@ void PathFollower::Advance(StopReason emergency, double dt) {
 /// Switches to path_ once the speed allows it. Returns the reason when that is impossible, otherwise kNone.
 StopReason PathFollower::TryJoin() {
   const bool robot_elsewhere = Lead() > options_.position_tolerance || AngleLead() > options_.angle_tolerance;
-  if (!has_command_ || (Standing() && robot_elsewhere)) StandAtRobot();
+  if (!has_command_ || (standing() && robot_elsewhere)) StandAtRobot();
   auto joined = JoinPath(p_W_, path().T_WBs, options_.path_tolerance);
   if (!joined) return speed_ > 0.0 ? StopReason::kNone : StopReason::kOffPath;
   if (options_.robot.gimballed()) {
@@ -357,7 +357,7 @@ Eigen::Vector3d PathFollower::CommandedVelocity() const {
   return track_ ? Eigen::Vector3d(speed_ * track_->DirectionAt(s_)) : Eigen::Vector3d::Zero();
 }
 
-bool PathFollower::Standing() const {
+bool PathFollower::standing() const {
   return speed_ == 0.0 && orientation_.rate_B().norm() < kNothing &&
          (!smoother_ || !has_command_ || smoother_->stands());
 }
@@ -376,7 +376,7 @@ bool PathFollower::Blocked() const {
 }
 
 bool PathFollower::CommandAtEnd() const {
-  return s_ >= track_->length() && Standing() &&
+  return s_ >= track_->length() && standing() &&
          orientation_.q_WB().angularDistance(track_->end_orientation()) < kNothing;
 }
 

@@ -74,6 +74,8 @@ class PathFollower final : public MotionController {
   std::vector<TrajectoryPoint> Preview(double step, double horizon) const override;
 
   const Options& options() const { return options_; }
+  /// Whether the command neither moves nor turns.
+  bool standing() const;
 
  private:
   struct Path {
@@ -113,7 +115,6 @@ class PathFollower final : public MotionController {
   void Place(const Eigen::Vector3d& p_W);
   Eigen::Vector3d CommandedPosition() const;
   Eigen::Vector3d CommandedVelocity() const;
-  bool Standing() const;
   void HearAgain(Time now);
   TrajectoryPoint Moment(double time) const;
   bool LeftPath() const;

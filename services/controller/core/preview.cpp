@@ -54,7 +54,7 @@ std::vector<TrajectoryPoint> PathFollower::Preview(double step, double horizon) 
     ahead.pose_silent_ = pose_silent_;
     const Motion motion = ahead.Step(now);
     moments.push_back(ahead.Moment(time));
-    stands = motion.state != MotionState::kFollowing && !ahead.back_ && ahead.Standing();
+    stands = motion.state != MotionState::kFollowing && !ahead.back_ && ahead.standing();
   }
   for (std::size_t n = 0; n + 1 < moments.size(); ++n) {
     moments[n].a_W = (moments[n + 1].v_W - moments[n].v_W) / kTick;

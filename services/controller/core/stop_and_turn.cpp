@@ -1,5 +1,6 @@
 #include "services/controller/core/stop_and_turn.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -7,16 +8,25 @@
 #include "services/controller/core/track.h"
 
 namespace thalweg::controller {
+namespace {
+
+/// Whether the robot may be elsewhere than where its legs began, once that is over.
+bool LosesPose(StopReason reason) {
+  return reason == StopReason::kLost || reason == StopReason::kRetreating ||
+         reason == StopReason::kPoseSilent;
+}
+
+}  // namespace
 
 StopAndTurn::StopAndTurn(const PathFollower::Options& options) : follower_(options) {}
 
 void StopAndTurn::SetPath(Time id, std::vector<RigidTransform> T_WBs, Time now) {
   const bool is_known = path_ && path_->id == id && path_->T_WBs.empty() == T_WBs.empty();
-  if (!is_known || went_back_) legs_.clear();
-  went_back_ = false;
-  path_ = Path{.id = id, .T_WBs = std::move(T_WBs), .heard = now};
-  if (legs_.empty()) return;
-  FollowLeg();
+  const bool went_back = last_reason_ == StopReason::kGoingBack || last_reason_ == StopReason::kWentBack;
+  const double length = PathLength(T_WBs);
+  path_ = Path{.id = id, .T_WBs = std::move(T_WBs), .length = length, .heard = now};
+  if (!is_known || went_back) return HoldStill();
+  follower_.SetPath(Time{} + Duration(hand_overs_), handed_over_, now);
 }
 
 void StopAndTurn::SetPose(const RigidTransform& T_WB, Time stamp) {
@@ -25,37 +35,58 @@ void StopAndTurn::SetPose(const RigidTransform& T_WB, Time stamp) {
 }
 
 Motion StopAndTurn::Step(Time now) {
-  if (path_ && T_WB_ && legs_.empty()) MakeLegs();
+  if (path_) path_->heard = std::min(path_->heard, now);  // if the clock was reset
   Motion motion = follower_.Step(now);
-  if (!path_ || legs_.empty()) return motion;
-  went_back_ =
-      went_back_ || motion.reason == StopReason::kGoingBack || motion.reason == StopReason::kWentBack;
-  while (motion.state == MotionState::kDone && leg_ + 1 < legs_.size()) {
-    ++leg_;
-    FollowLeg();
+  if (!path_) return motion;
+  const bool may_be_elsewhere = LosesPose(last_reason_) && !LosesPose(motion.reason);
+  if (!legs_.empty() && (may_be_elsewhere || motion.reason == StopReason::kOffPath)) {
+    HoldStill();
     motion = follower_.Step(now);
   }
+  while (AdvanceFrom(motion)) motion = follower_.Step(now);
+  last_reason_ = motion.reason;
   return Whole(std::move(motion));
 }
 
-/// A path that is too far away to be joined, or empty, is left to the follower as it is.
-void StopAndTurn::MakeLegs() {
-  leg_ = 0;
-  const auto joined = JoinPath(T_WB_->translation(), path_->T_WBs, follower_.options().path_tolerance);
-  if (!joined || joined->size() < 2) {
-    legs_ = {{.T_WBs = path_->T_WBs, .length = PathLength(path_->T_WBs)}};
-    return FollowLeg();
+/// Hands over the next turn or leg, if it is time.
+bool StopAndTurn::AdvanceFrom(const Motion& motion) {
+  if (legs_.empty()) {
+    if (motion.reason != StopReason::kEmptyPath || !follower_.standing() || !MakeLegs(motion)) return false;
+    leg_ = 0;
+  } else {
+    if (motion.state != MotionState::kDone || leg_ + 1 == legs_.size()) return false;
+    ++leg_;
   }
-  const bool faces_travel = follower_.options().robot.faces_travel();
+  HandOver(legs_[leg_].T_WBs);
+  return true;
+}
+
+/// Divides the path, from where the robot stands on, into turns and legs. Returns false if there is none, or
+/// it is too far away.
+bool StopAndTurn::MakeLegs(const Motion& motion) {
+  if (path_->T_WBs.empty() || !T_WB_) return false;
+  const PathFollower::Options& options = follower_.options();
+  // The follower goes on from its command, too, unless the robot is elsewhere.
+  Eigen::Vector3d start_W = T_WB_->translation();
+  if (motion.command) {
+    const RigidTransform& command = motion.command->T_WB;
+    const bool is_there = (command.translation() - start_W).norm() <= options.position_tolerance &&
+                          AngleBetween(command, *T_WB_) <= options.angle_tolerance;
+    if (is_there) start_W = command.translation();
+  }
+  const auto joined = JoinPath(start_W, path_->T_WBs, options.path_tolerance);
+  if (!joined) return false;
+  const bool faces_travel = options.robot.faces_travel();
   for (std::size_t n = 1; n < joined->size(); ++n) {
     const RigidTransform& from = (*joined)[n - 1];
     const RigidTransform to = EndOf(from, (*joined)[n], n + 1 == joined->size());
+    const RigidTransform turned = MakeTransform(to.linear(), from.translation());
     // One that faces its way turns before each leg without being led to.
-    if (!faces_travel) legs_.push_back({.T_WBs = {MakeTransform(to.linear(), from.translation())}});
-    legs_.push_back({.T_WBs = {MakeTransform(to.linear(), from.translation()), to},
-                     .length = (to.translation() - from.translation()).norm()});
+    if (!faces_travel) legs_.push_back({.T_WBs = {turned}});
+    legs_.push_back({.T_WBs = {turned, to}, .length = (to.translation() - from.translation()).norm()});
   }
-  FollowLeg();
+  if (legs_.empty()) legs_ = {{.T_WBs = {MakeTransform(joined->front().linear(), start_W)}}};
+  return true;
 }
 
 /// Where a leg ends. Only at its last pose does a robot that faces its way turn away from there.
@@ -65,16 +96,31 @@ RigidTransform StopAndTurn::EndOf(const RigidTransform& from, const RigidTransfo
   return MakeTransform(RotationFromYawPitch(std::atan2(way_W.y(), way_W.x()), 0.0), to.translation());
 }
 
-/// The present leg as a path, heard when the whole path was. Its id differs from those of the legs before.
-void StopAndTurn::FollowLeg() {
-  follower_.SetPath(path_->id + Duration(leg_), legs_[leg_].T_WBs, path_->heard);
+void StopAndTurn::HoldStill() {
+  legs_.clear();
+  HandOver({});
 }
 
+/// The follower hears of it when the whole path was heard.
+void StopAndTurn::HandOver(std::vector<RigidTransform> T_WBs) {
+  ++hand_overs_;
+  handed_over_ = std::move(T_WBs);
+  follower_.SetPath(Time{} + Duration(hand_overs_), handed_over_, path_->heard);
+}
+
+/// A leg's motion as that along the path.
 Motion StopAndTurn::Whole(Motion of_leg) const {
   of_leg.path_id = path_->id;
   for (std::size_t n = 0; n < legs_.size(); ++n) {
     if (n < leg_) of_leg.distance_done += legs_[n].length;
     if (n > leg_) of_leg.distance_left += legs_[n].length;
+  }
+  if (legs_.empty() && of_leg.reason == StopReason::kEmptyPath && !path_->T_WBs.empty()) {
+    // The empty path is ours, not the explorer's.
+    of_leg.distance_left = path_->length;
+    const bool brakes = !follower_.standing();
+    of_leg.state = brakes ? MotionState::kFollowing : MotionState::kStopped;
+    of_leg.reason = brakes ? StopReason::kNone : StopReason::kOffPath;
   }
   return of_leg;
 }

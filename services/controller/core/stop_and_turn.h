@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -11,8 +12,9 @@ namespace thalweg::controller {
 /// of the next, then moves straight there. For bases that cannot do both at once, and for odometry from
 /// images that suffers from turns in motion. A robot that must face where it moves faces along each leg.
 ///
-/// Each turn and each leg is a path of its own for a PathFollower, whose limits, checks and stops are those
-/// of this controller, too. Only a leg that has begun is checked against the map.
+/// A PathFollower gets one turn or leg at a time, as a path of its own, and its limits, checks and stops are
+/// those of this controller, too; only the leg that it follows is checked against the map. While a new path
+/// is to be joined it gets an empty one, so that the robot brakes hard before it turns away.
 class StopAndTurn final : public MotionController {
  public:
   /// Throws std::invalid_argument naming the invalid option.
@@ -37,20 +39,26 @@ class StopAndTurn final : public MotionController {
   struct Path {
     Time id;
     std::vector<RigidTransform> T_WBs;
+    double length = 0.0;  ///< [m]
     Time heard;
   };
 
-  void MakeLegs();
+  bool AdvanceFrom(const Motion& motion);
+  bool MakeLegs(const Motion& motion);
   RigidTransform EndOf(const RigidTransform& from, const RigidTransform& to, bool is_last) const;
-  void FollowLeg();
+  void HoldStill();
+  void HandOver(std::vector<RigidTransform> T_WBs);
   Motion Whole(Motion of_leg) const;
 
   PathFollower follower_;
   std::optional<Path> path_;
   std::optional<RigidTransform> T_WB_;
-  std::vector<Leg> legs_;  ///< Empty until the path has been joined.
-  std::size_t leg_ = 0;    ///< The one that is followed.
-  bool went_back_ = false;
+  /// Empty until the path has been joined; the follower then has an empty path.
+  std::vector<Leg> legs_;
+  std::size_t leg_ = 0;  ///< The one that is followed.
+  std::vector<RigidTransform> handed_over_;
+  std::int64_t hand_overs_ = 0;  ///< Counts them, since the follower tells paths apart by their ids.
+  StopReason last_reason_ = StopReason::kNone;
 };
 
 }  // namespace thalweg::controller

@@ -279,6 +279,7 @@ std::optional<Foot> MoveAhead(const Eigen::Vector3d& p_W, const Foot& foot,
 std::optional<std::vector<RigidTransform>> JoinPath(const Eigen::Vector3d& p_W,
                                                     const std::vector<RigidTransform>& path,
                                                     double tolerance) {
+  THALWEG_CHECK(!path.empty());
   const Foot foot = FindFoot(p_W, path);
   if (foot.offset > tolerance) return std::nullopt;
   Foot entry = foot;

@@ -78,6 +78,7 @@ LockstepOptions Scene::Options(const std::string& strategy, int seed, PoseSource
   options.sensor = DepthSensorFrom(scenario_);
   if (scenario_.depth_source() == DepthSource::STEREO) options.stereo = StereoSensorFrom(scenario_);
   options.mapper = mapper::OptionsFrom(scenario_, {}).map;
+  options.filter = MapFrom(scenario_).filter;
   Scenario with_strategy = scenario_;
   if (!strategy.empty()) with_strategy.mutable_explorer()->set_strategy(strategy);
   options.explorer = explorer::OptionsFrom(with_strategy);
@@ -99,7 +100,7 @@ simulator::TrueMap::Options Scene::TruthOptions() const {
   return {.voxel_size = options.mapper.voxel_size,
           .robot = options.robot,
           .camera = options.sensor.camera,
-          .view_range = std::min(options.mapper.max_range, options.sensor.max_range)};
+          .view_range = MapFrom(scenario_).SeenRange(options.sensor.max_range)};
 }
 
 std::shared_ptr<const simulator::TrueMap> Scene::Truth(const Eigen::Vector3d& start_W) const {
@@ -124,7 +125,7 @@ std::shared_ptr<const SurfaceTruth> Scene::Surfaces(const std::shared_ptr<const 
 
 std::unique_ptr<mapper::FusedMap> Scene::NewMap() const {
   const mapper::MapperOptions options = mapper::OptionsFrom(scenario_, {});
-  return mapper::MakeMap(options.engine, options.map, options.filter);
+  return mapper::MakeMap(options.engine, options.map);
 }
 
 std::optional<NoiseFreeMap> Scene::NewNoiseFreeMap(const LockstepOptions& options) const {
@@ -134,8 +135,8 @@ std::optional<NoiseFreeMap> Scene::NewNoiseFreeMap(const LockstepOptions& option
   without.mutable_depth_sensor()->clear_disparity_noise_px();
   without.mutable_depth_sensor()->clear_image_noise_px();
   const mapper::MapperOptions mapper = mapper::OptionsFrom(without, {});
-  return std::make_optional<NoiseFreeMap>(world_, options.sensor,
-                                          mapper::MakeMap(mapper.engine, mapper.map, mapper.filter));
+  return std::make_optional<NoiseFreeMap>(world_, options.sensor, mapper::MakeFilter(mapper.filter),
+                                          mapper::MakeMap(mapper.engine, mapper.map));
 }
 
 Outcome Scene::Run(const std::string& strategy, int seed, PoseSource pose, std::stop_token stop,

@@ -1,6 +1,7 @@
 #include "services/evaluator/core/lockstep.h"
 
 #include <algorithm>
+#include <memory>
 #include <stdexcept>
 
 #include "common/base/check.h"
@@ -8,6 +9,7 @@
 #include "services/controller/core/retreat.h"
 #include "services/evaluator/core/contact_meter.h"
 #include "services/evaluator/core/run_sensor.h"
+#include "services/mapper/core/cloud_filter.h"
 
 namespace thalweg::evaluator {
 namespace {
@@ -38,6 +40,7 @@ class Run {
       : own_world_(world.parts().empty() ? std::nullopt : std::optional(world.AtStart())),
         world_(own_world_ ? *own_world_ : world),
         options_(options),
+        filter_(mapper::MakeFilter(options.filter)),
         map_(map),
         truth_(truth),
         observe_scan_(observe_scan),
@@ -113,13 +116,14 @@ class Run {
   void Scan() {
     const RigidTransform T_WC = T_WB_ * options_.robot.T_BC;
     const RigidTransform T_WC_true = T_WB_true_ * options_.robot.T_BC;
-    const PointCloud cloud = sensor_.Capture(world_, T_WC_true);
+    PointCloud cloud = sensor_.Capture(world_, T_WC_true);
     if (observe_cloud_) observe_cloud_(cloud, T_WC, T_WC_true);
     if (loop_.explorer().AwaitsView()) {
       const std::optional<Error> error =
           loop_.OnView({.view = {cloud, sensor_.camera(), T_WB_, options_.robot.T_BC}, .stamp = now_});
       THALWEG_CHECK(!error);  // the cloud is of the sensor's camera
     }
+    if (filter_) filter_->Apply(cloud);
     const std::span<const VoxelChange> changes = map_.Integrate(cloud, T_WC);
     explorer::MapNews news{.voxel_size = options_.mapper.voxel_size,
                            .changes = {changes.begin(), changes.end()},
@@ -282,6 +286,7 @@ class Run {
   std::optional<simulator::World> own_world_;  ///< Where parts move, since others use the world as well.
   const simulator::World& world_;
   const LockstepOptions& options_;
+  std::unique_ptr<mapper::CloudFilter> filter_;  ///< Null if nothing is to be dropped.
   mapper::FusedMap& map_;
   const simulator::TrueMap* truth_;
   const ScanObserver& observe_scan_;

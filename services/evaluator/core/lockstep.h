@@ -39,6 +39,7 @@ struct LockstepOptions {
   DepthSensorModel sensor;                      ///< What the explorer expects to see.
   std::optional<StereoSensor::Options> stereo;  ///< Where clouds come from; empty: from the sensor.
   mapper::OccupancyMap::Options mapper;
+  FilterModel filter;  ///< What is dropped of each cloud before it is fused.
   explorer::Explorer::Options explorer;
   std::optional<OwnPose::Options> own_pose;  ///< Empty: the robot knows its true pose.
   MotionModel motion = MotionModel::kKinematic;

@@ -17,13 +17,16 @@ DepthSensorModel WithoutNoise(DepthSensorModel sensor) {
 }  // namespace
 
 NoiseFreeMap::NoiseFreeMap(const simulator::World& world, DepthSensorModel sensor,
-                           std::unique_ptr<mapper::FusedMap> map)
+                           std::unique_ptr<mapper::CloudFilter> filter, std::unique_ptr<mapper::FusedMap> map)
     : world_(world),
       sensor_(WithoutNoise(sensor), /*noise_seed=*/1, /*colors=*/false),
+      filter_(std::move(filter)),
       map_(std::move(map)) {}
 
 void NoiseFreeMap::OnScan(const RigidTransform& T_WC) {
-  map_->Integrate(sensor_.Capture(world_, T_WC), T_WC);
+  PointCloud cloud = sensor_.Capture(world_, T_WC);
+  if (filter_) filter_->Apply(cloud);
+  map_->Integrate(cloud, T_WC);
 }
 
 double NoiseFreeMap::Likeness(const OccupancyGrid& map) const {

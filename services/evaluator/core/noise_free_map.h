@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "common/geometry/rigid_transform.h"
+#include "services/mapper/core/cloud_filter.h"
 #include "services/mapper/core/fused_map.h"
 #include "services/simulator/core/depth_sensor.h"
 #include "services/simulator/core/world.h"
@@ -14,8 +15,10 @@ class NoiseFreeMap {
  public:
   /// @param world   Must outlive the object.
   /// @param sensor  Its noise is left out.
+  /// @param filter  The filter of the run; null if nothing is dropped.
   /// @param map     Empty.
-  NoiseFreeMap(const simulator::World& world, DepthSensorModel sensor, std::unique_ptr<mapper::FusedMap> map);
+  NoiseFreeMap(const simulator::World& world, DepthSensorModel sensor,
+               std::unique_ptr<mapper::CloudFilter> filter, std::unique_ptr<mapper::FusedMap> map);
 
   /// @param T_WC  The true pose of a scan.
   void OnScan(const RigidTransform& T_WC);
@@ -28,6 +31,7 @@ class NoiseFreeMap {
  private:
   const simulator::World& world_;
   simulator::DepthSensor sensor_;
+  std::unique_ptr<mapper::CloudFilter> filter_;
   std::unique_ptr<mapper::FusedMap> map_;
 };
 

@@ -79,7 +79,7 @@ Explorer::Options OptionsFrom(const Scenario& scenario) {
   const DepthSensorModel sensor = DepthSensorFrom(scenario);
   const MapModel map = MapFrom(scenario);
   options.camera = sensor.camera;
-  options.sensor_range = std::min(map.max_range, sensor.max_range);
+  options.sensor_range = map.SeenRange(sensor.max_range);
   options.voxel_size = map.voxel_size;
   // Nothing is mapped beyond, however long it is looked at.
   options.look_range = std::min(

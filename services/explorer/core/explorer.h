@@ -144,7 +144,7 @@ class Explorer {
   const DenseGrid<float>* field() const {
     return task_.choice.path_W.empty() ? nullptr : targets_.strategy().field();
   }
-  /// What that field leaves out.
+  /// Explored voxels that were left out of it.
   std::vector<VoxelIndex> sealed() const { return targets_.strategy().sealed(); }
 
   const PlanningMap& map() const { return knowledge_.map(); }

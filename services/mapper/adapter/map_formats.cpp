@@ -69,7 +69,10 @@ MapOrShape LoadMapOrShape(const std::filesystem::path& file) {
 }
 
 LoadedMap LoadMap(const std::filesystem::path& file, std::optional<double> voxel_size) {
-  MapOrShape loaded = LoadMapOrShape(file);
+  return AsMap(LoadMapOrShape(file), file, voxel_size);
+}
+
+LoadedMap AsMap(MapOrShape loaded, const std::filesystem::path& file, std::optional<double> voxel_size) {
   if (auto* const map = std::get_if<LoadedMap>(&loaded)) return std::move(*map);
   const PlyFile& ply = std::get<PlyFile>(loaded);
   if (!voxel_size) {

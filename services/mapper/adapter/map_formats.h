@@ -25,8 +25,12 @@ using MapOrShape = std::variant<LoadedMap, PlyFile>;
 /// it.
 MapOrShape LoadMapOrShape(const std::filesystem::path& file);
 
-/// The same, as a map.
+/// What was loaded as a map.
+/// @param file        From which it was.
 /// @param voxel_size  [m] For a point cloud or mesh, which throws without it; a map has its own.
+LoadedMap AsMap(MapOrShape loaded, const std::filesystem::path& file, std::optional<double> voxel_size);
+
+/// Both in one.
 LoadedMap LoadMap(const std::filesystem::path& file, std::optional<double> voxel_size = std::nullopt);
 
 /// For people: "point cloud (.ply)" or "mesh (.ply)".

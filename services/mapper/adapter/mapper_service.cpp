@@ -68,7 +68,7 @@ dds::Infinity InfinityFor(const OccupancyMap::Options& map) {
 
 MapperService::Start MapperService::StartFrom(const MapperOptions& options) {
   // First, because it rejects bad options before any file is read.
-  Start start{.map = MakeMap(options.engine, options.map, options.filter)};
+  Start start{.map = MakeMap(options.engine, options.map)};
   if (options.checkpoint_period == Duration::zero()) return start;
   const Stopwatch stopwatch;
   const std::filesystem::path file = options.out / kCheckpointFile;
@@ -90,7 +90,7 @@ MapperService::Start MapperService::StartFrom(const MapperOptions& options) {
   spdlog::info(
       "resuming from {} with {} blocks, after {} scans, {} of them from its journal; loaded in {:.0f} ms",
       file.string(), checkpoint.grid.block_count(), checkpoint.position.number, journal.applied, resumed_ms);
-  return {.map = MakeMap(options.engine, options.map, std::move(checkpoint.grid), options.filter),
+  return {.map = MakeMap(options.engine, options.map, std::move(checkpoint.grid)),
           .colors = std::move(checkpoint.colors),
           .position = checkpoint.position,
           .journal = std::move(journal.ends),
@@ -103,6 +103,7 @@ MapperService::MapperService(const MapperOptions& options, dds::Bus& bus)
 MapperService::MapperService(const MapperOptions& options, dds::Bus& bus, Start start)
     : options_(options),
       bus_(bus),
+      filter_(MakeFilter(options.filter)),
       map_(std::move(start.map)),
       colors_(std::move(start.colors)),
       log_(dds::MapLog::MakeSession(), options.map.voxel_size),
@@ -199,17 +200,22 @@ void MapperService::AddCloud(dds::StampedCloud cloud, const char* topic, const S
 
 void MapperService::TakePending() {
   while (!pending_.empty() && placement_.poses().Reaches(pending_.front().stamped.stamp)) {
-    const PendingCloud pending = std::move(pending_.front());
+    PendingCloud pending = std::move(pending_.front());
     pending_.pop_front();
     const auto T_WB = placement_.PoseAt(pending.stamped.stamp, pending.topic);
     if (T_WB) Integrate(pending, *T_WB * options_.T_BC);
   }
 }
 
-void MapperService::Integrate(const PendingCloud& pending, const RigidTransform& T_WC) {
-  const PointCloud& cloud = pending.stamped.cloud;
+void MapperService::Integrate(PendingCloud& pending, const RigidTransform& T_WC) {
+  PointCloud& cloud = pending.stamped.cloud;
   if (clouds_to_compare_ > 0) ComparePlace(cloud, T_WC);
   WriteCheckpointWhenNeeded();
+  if (filter_) {
+    const Stopwatch filtering;
+    filter_->Apply(cloud);
+    Record("filter", filtering.Milliseconds());
+  }
   const Stopwatch stopwatch;
   const std::span<const VoxelChange> changes = map_->Integrate(cloud, T_WC);
   Record("integration", stopwatch.Milliseconds());

@@ -19,6 +19,7 @@
 #include "services/mapper/adapter/checkpoint.h"
 #include "services/mapper/adapter/map_keeper.h"
 #include "services/mapper/adapter/options.h"
+#include "services/mapper/core/cloud_filter.h"
 #include "services/mapper/core/fused_map.h"
 #include "services/mapper/core/voxel_colors.h"
 
@@ -82,7 +83,7 @@ class MapperService {
   void SaveWhenDue();
   void Reply(const dds::CommandId& id, bool accepted, const std::string& reason);
   void TakePending();
-  void Integrate(const PendingCloud& pending, const RigidTransform& T_WC);
+  void Integrate(PendingCloud& pending, const RigidTransform& T_WC);
   void PublishFullCopyWhenDue();
   void ComparePlace(const PointCloud& cloud, const RigidTransform& T_WC);
   Checkpoint CopyOfMap() const;
@@ -94,6 +95,7 @@ class MapperService {
 
   MapperOptions options_;
   dds::Bus& bus_;
+  std::unique_ptr<CloudFilter> filter_;  ///< Null if nothing is to be dropped.
   std::unique_ptr<FusedMap> map_;
   VoxelColors colors_;
   dds::MapLog log_;

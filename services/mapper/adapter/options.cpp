@@ -23,18 +23,6 @@ void Visit(OptionVisitor& visitor, MapperOptions& options) {
   visitor.Switch("exact_rays", map.exact_rays);
   visitor.Number("shadow_m", map.shadow);
   visitor.Number("min_hit_probability", map.min_hit_probability);
-  visitor.Block("filter", [&](OptionVisitor& filter) {
-    using Type = FilterOptions::Type;
-    filter.Choice("type", options.filter.type,
-                  {{"NONE", Type::kNone},
-                   {"DISTANCE", Type::kDistance},
-                   {"VOXEL", Type::kVoxel},
-                   {"OUTLIER", Type::kOutlier}});
-    filter.Number("max_distance_m", options.filter.max_distance);
-    filter.Number("cell_m", options.filter.cell);
-    filter.Whole("neighbors", options.filter.neighbors);
-    filter.Number("deviations", options.filter.deviations);
-  });
 }
 
 MapperOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path& out) {
@@ -49,6 +37,7 @@ MapperOptions OptionsFrom(const Scenario& scenario, const std::filesystem::path&
       !external || scenario.robot().has_camera_position_m() || scenario.robot().has_camera_pitch_deg();
   const MapModel model = MapFrom(scenario);
   OccupancyMap::Options& map = options.map;
+  options.filter = model.filter;
   map.voxel_size = model.voxel_size;
   map.max_range = model.max_range;
   if (const DepthSensorModel sensor = DepthSensorFrom(scenario); sensor.no_return_is_free) {

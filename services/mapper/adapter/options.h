@@ -4,6 +4,7 @@
 
 #include "common/base/option_visitor.h"
 #include "common/base/time.h"
+#include "common/geometry/map_model.h"
 #include "common/geometry/robot_model.h"
 #include "common/scenario/scenario.h"
 #include "services/mapper/core/map_engine.h"
@@ -13,7 +14,7 @@ namespace thalweg::mapper {
 struct MapperOptions {
   OccupancyMap::Options map;
   MapEngine engine = MapEngine::kBlocks;
-  FilterOptions filter;
+  FilterModel filter;
   RigidTransform T_BC = RobotModel{}.T_BC;
   bool reads_images = false;        ///< Depth images with their calibration, instead of clouds.
   bool counts_gaps = false;         ///< Whether the clouds' period shows which are missing.

@@ -3,14 +3,15 @@
 #include <utility>
 
 #include "common/base/check.h"
-#include "services/mapper/core/filtered_map.h"
 #include "services/mapper/core/octree_map.h"
 
 namespace thalweg::mapper {
-namespace {
 
-std::unique_ptr<FusedMap> MakeUnfiltered(MapEngine engine, const OccupancyMap::Options& options,
-                                         OccupancyGrid map) {
+std::unique_ptr<FusedMap> MakeMap(MapEngine engine, const OccupancyMap::Options& options) {
+  return MakeMap(engine, options, OccupancyGrid(Checked(options).voxel_size));
+}
+
+std::unique_ptr<FusedMap> MakeMap(MapEngine engine, const OccupancyMap::Options& options, OccupancyGrid map) {
   switch (engine) {
     case MapEngine::kBlocks:
       return std::make_unique<OccupancyMap>(options, std::move(map));
@@ -19,21 +20,6 @@ std::unique_ptr<FusedMap> MakeUnfiltered(MapEngine engine, const OccupancyMap::O
   }
   THALWEG_CHECK(!"an engine without a map");
   return nullptr;
-}
-
-}  // namespace
-
-std::unique_ptr<FusedMap> MakeMap(MapEngine engine, const OccupancyMap::Options& options,
-                                  const FilterOptions& filter) {
-  return MakeMap(engine, options, OccupancyGrid(Checked(options).voxel_size), filter);
-}
-
-std::unique_ptr<FusedMap> MakeMap(MapEngine engine, const OccupancyMap::Options& options, OccupancyGrid map,
-                                  const FilterOptions& filter) {
-  auto fused = MakeUnfiltered(engine, options, std::move(map));
-  auto made = MakeFilter(filter);
-  if (!made) return fused;
-  return std::make_unique<FilteredMap>(std::move(made), std::move(fused));
 }
 
 }  // namespace thalweg::mapper

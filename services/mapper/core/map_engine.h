@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <memory>
 
-#include "services/mapper/core/cloud_filter.h"
 #include "services/mapper/core/fused_map.h"
 #include "services/mapper/core/occupancy_map.h"
 
@@ -16,10 +15,8 @@ enum class MapEngine : std::uint8_t {
 };
 
 /// To add one, see docs/guide/own-parts.md. Throws std::invalid_argument naming the bad option.
-std::unique_ptr<FusedMap> MakeMap(MapEngine engine, const OccupancyMap::Options& options,
-                                  const FilterOptions& filter = {});
+std::unique_ptr<FusedMap> MakeMap(MapEngine engine, const OccupancyMap::Options& options);
 /// Resumes from a map of the same voxel size, whichever engine fused it.
-std::unique_ptr<FusedMap> MakeMap(MapEngine engine, const OccupancyMap::Options& options, OccupancyGrid map,
-                                  const FilterOptions& filter = {});
+std::unique_ptr<FusedMap> MakeMap(MapEngine engine, const OccupancyMap::Options& options, OccupancyGrid map);
 
 }  // namespace thalweg::mapper

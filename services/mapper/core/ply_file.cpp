@@ -12,6 +12,8 @@
 namespace thalweg::mapper {
 namespace {
 
+constexpr std::size_t kMostPlyElements = 64;  // so that a header cannot keep us busy
+
 enum class PlyEncoding { kAscii, kLittleEndian, kBigEndian };
 
 struct PlyType {
@@ -109,6 +111,7 @@ std::optional<std::string> ReadPlyLine(std::string_view line, PlyHead& head) {
   } else if (key == "element") {
     const auto element = PlyElementIn(rest);
     if (!element) return complaint + "which must state a name and a count";
+    if (head.elements.size() == kMostPlyElements) return complaint + "one of too many elements";
     if (std::ranges::count(head.elements, element->name, &PlyElement::name) > 0) {
       return complaint + "the second one of this name";
     }

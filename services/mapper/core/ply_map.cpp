@@ -11,6 +11,10 @@
 namespace thalweg::mapper {
 namespace {
 
+/// Boxes that may be looked at for each block that the map may have: a billion for the largest map, which takes
+/// minutes.
+constexpr std::uint64_t kCutsPerBlock = 8 * OccupancyGrid::kBlockVoxels;
+
 class PlyVoxels {
  public:
   PlyVoxels(const PlyFile& file, double voxel_size, std::size_t most_blocks)
@@ -89,6 +93,10 @@ class PlyVoxels {
     const auto corner = [voxel_size](const VoxelIndex& i) {
       return Eigen::Vector3d(voxel_size * Eigen::Vector3d(i.x, i.y, i.z));
     };
+    if (++cuts_ > kCutsPerBlock * most_blocks_) {
+      problem_ = "has triangles that pass through too many voxels of " + NumberText(voxel_size) + " m";
+      return false;
+    }
     if (OverlapDepth(triangle, {corner(box.min), corner(box.max)}) < -kRounding * voxel_size) return true;
     const int size = std::max({box.size_x(), box.size_y(), box.size_z()});
     if (size == 1) {
@@ -136,6 +144,7 @@ class PlyVoxels {
 
   const PlyFile& file_;
   const std::size_t most_blocks_;
+  std::uint64_t cuts_ = 0;
   ColoredMap map_;
   std::string problem_;
 };

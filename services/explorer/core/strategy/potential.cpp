@@ -89,6 +89,14 @@ Potential::Potential(const Options& options)
   }
 }
 
+std::vector<VoxelIndex> Potential::sealed() const {
+  if (!has_field_) return {};
+  std::vector<VoxelIndex> cells = field_.sealed();
+  // What was found sealed in this field still has a value in it.
+  std::erase_if(cells, [&](const VoxelIndex& cell) { return !std::isnan(field_.phi()[cell]); });
+  return cells;
+}
+
 DenseGrid<FieldCell> Potential::MakeCells(const Situation& situation) const {
   const PlanningMap& map = situation.map;
   DenseGrid<FieldCell> cells(map.box(), FieldCell::kWall);

@@ -51,7 +51,7 @@ class Potential final : public Strategy {
   explicit Potential(const Options& options);
   Choice Choose(const Situation& situation) override;
   const DenseGrid<float>* field() const override { return has_field_ ? &field_.phi() : nullptr; }
-  std::vector<VoxelIndex> sealed() const override { return field_.sealed(); }
+  std::vector<VoxelIndex> sealed() const override;
 
  private:
   DenseGrid<FieldCell> MakeCells(const Situation& situation) const;

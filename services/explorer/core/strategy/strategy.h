@@ -143,7 +143,7 @@ class Strategy {
   /// The potential on which the last choice was based, for display. NaN outside of free space.
   /// Null if there is none.
   virtual const DenseGrid<float>* field() const { return nullptr; }
-  /// Explored voxels that the strategy leaves out of its field, for display.
+  /// Explored voxels that the strategy left out of that field, for display.
   virtual std::vector<VoxelIndex> sealed() const { return {}; }
 };
 

@@ -5,6 +5,7 @@ export class FieldFeed {
   #isShown = false;
   #strategy; // undefined until something was said of it
   #last = null; // the last one, as long as it is that of the last decision
+  #lastSealed = null; // what is sealed off from it
 
   /**
    * @param topics { field, sealed, streamline }
@@ -20,6 +21,7 @@ export class FieldFeed {
   show(on) {
     this.#isShown = on;
     if (on && this.#last) this.events.onField(this.#last);
+    if (on && this.#last && this.#lastSealed) this.events.onSealed(this.#lastSealed);
     this.#listen();
   }
 
@@ -27,7 +29,7 @@ export class FieldFeed {
   follow(strategy) {
     if (strategy === this.#strategy) return;
     this.#strategy = strategy;
-    this.#last = null;
+    this.#last = this.#lastSealed = null;
     this.isThere = false;
     this.events.onForgotten();
     this.events.onKnown(false, strategy);
@@ -42,7 +44,10 @@ export class FieldFeed {
   #listen() {
     if (this.#isShown || !this.isThere) this.connection.subscribe(this.topics.field, (message) => this.#take(message));
     else this.connection.unsubscribe(this.topics.field);
-    this.#listenWhileShown(this.topics.sealed, (message) => this.events.onSealed(message));
+    this.#listenWhileShown(this.topics.sealed, (message) => {
+      this.#lastSealed = message;
+      this.events.onSealed(message);
+    });
     this.#listenWhileShown(this.topics.streamline, (message) => this.events.onStreamline(message));
   }
   #listenWhileShown(topic, handler) {

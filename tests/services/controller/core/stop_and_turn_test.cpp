@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include "common/geometry/polyline.h"
@@ -21,20 +23,36 @@ Ride Stopping(const PathFollower::Options& options = {}) {
 
 const std::vector<RigidTransform> kCorner = {At(0, 0), At(2, 0, 0, 0.5), At(2, 1, 0.5, 1.0, -0.3)};
 
+/// Expects that the command does not move in the ticks in which it turns.
+class MovesOrTurns {
+ public:
+  void Add(const std::optional<MotionCommand>& command) {
+    if (!command) return;
+    if (before_) {
+      const double moved = (command->T_WB.translation() - before_->translation()).norm();
+      const double turned = AngleBetween(command->T_WB, *before_);
+      EXPECT_TRUE(moved < 1e-9 || turned < 1e-7) << moved << " m and " << turned << " rad in one tick";
+    }
+    before_ = command->T_WB;
+  }
+
+ private:
+  std::optional<RigidTransform> before_;
+};
+
 TEST(StopAndTurn, ItNeverTurnsWhileItMovesAndReachesEveryPose) {
   Ride ride = Stopping();
   ride.Follow(kCorner);
   RigidTransform before = ride.robot();
+  MovesOrTurns moves_or_turns;
   Differences differences;
   std::size_t passed = 0;
   double flown = 0.0;
   ride.Until([&](const Motion& motion) {
     const RigidTransform& now = ride.robot();
-    const double moved = (now.translation() - before.translation()).norm();
-    const double turned = AngleBetween(now, before);
-    EXPECT_TRUE(moved < 1e-9 || turned < 1e-9) << moved << " m and " << turned << " rad in one tick";
+    moves_or_turns.Add(motion.command);
     differences.Add(now);
-    flown += moved;
+    flown += (now.translation() - before.translation()).norm();
     before = now;
     if (passed < kCorner.size() && (now.translation() - kCorner[passed].translation()).norm() < 1e-6)
       ++passed;
@@ -67,20 +85,124 @@ TEST(StopAndTurn, ReportsTheWholePathOfTheExplorer) {
   EXPECT_EQ(after.path_id, id);
 }
 
-TEST(StopAndTurn, JoinsANewPathFromWhereItIsAndTurnsWhereItStands) {
+TEST(StopAndTurn, BrakesForANewPathBeforeItTurnsAway) {
+  for (const double before_corner : {1.0, 1.97}) {
+    Ride ride = Stopping();
+    ride.Follow(kCorner);
+    MovesOrTurns moves_or_turns;
+    Differences differences;
+    ride.Until([&](const Motion& motion) {
+      moves_or_turns.Add(motion.command);
+      return ride.robot().translation().x() > before_corner;
+    });
+    const double x = ride.robot().translation().x();
+    ride.Follow({At(x, 0, 0, 0.5), At(x, -1, 0, -1.0)});
+    const Time id = ride.time();
+    ride.Until([&](const Motion& motion) {
+      moves_or_turns.Add(motion.command);
+      differences.Add(motion.command->T_WB);
+      EXPECT_EQ(motion.state == MotionState::kDone, motion.distance_left == 0.0);
+      EXPECT_TRUE(motion.state == MotionState::kFollowing || motion.state == MotionState::kDone);
+      EXPECT_LE(motion.path_id, id + FromSeconds(1.0));
+      return motion.state == MotionState::kDone;
+    });
+    EXPECT_NEAR(ride.robot().translation().y(), -1.0, 1e-6);
+    EXPECT_NEAR(YawOf(ride.robot().linear()), -1.0, 1e-3);
+    const PathFollower::Options limits;
+    EXPECT_LE(differences.speed_step,
+              limits.emergency_factor * limits.robot.max_acceleration * test::kTick + 1e-6);
+  }
+}
+
+TEST(StopAndTurn, TurnsOnTheSpotAlsoWhereTheOdometryIsALittleOff) {
+  StopAndTurn controller(PathFollower::Options{});
+  const RigidTransform offset = At(0.02, -0.01, 0.0);
+  RigidTransform robot = At(0, 0);
+  Time now = Time{} + FromSeconds(100.0);
+  MovesOrTurns moves_or_turns;
+  const auto follow = [&](const std::vector<RigidTransform>& path) {
+    const Time id = now;
+    for (int tick = 0; tick < 3000; ++tick) {
+      now += FromSeconds(test::kTick);
+      controller.SetPath(id, path, now);
+      controller.SetPose(offset * robot, now);
+      const Motion motion = controller.Step(now);
+      moves_or_turns.Add(motion.command);
+      if (motion.command) robot = motion.command->T_WB;
+      if (motion.state == MotionState::kDone) return;
+    }
+    ADD_FAILURE() << "not reached";
+  };
+  follow({At(0, 0), At(1, 0, 0, 1.0)});
+  follow({At(1, 0, 0, 1.0), At(1, 1, 0, -1.0)});
+  follow({At(1, 1, 0, 0.0)});
+}
+
+TEST(StopAndTurn, PathsWhoseNamesAreConsecutiveAreToldApart) {
+  StopAndTurn controller(PathFollower::Options{});
+  RigidTransform robot = At(0, 0);
+  Time now = Time{} + FromSeconds(100.0);
+  const Time id = now;
+  const auto ride = [&](Time its_id, const std::vector<RigidTransform>& path, int ticks) {
+    Motion motion;
+    for (int tick = 0; tick < ticks; ++tick) {
+      now += FromSeconds(test::kTick);
+      controller.SetPath(its_id, path, now);
+      controller.SetPose(robot, now);
+      motion = controller.Step(now);
+      if (motion.command) robot = motion.command->T_WB;
+    }
+    return motion;
+  };
+  ride(id, {At(0, 0), At(2, 0)}, 50);
+  const Motion last = ride(id + Duration(1), {At(0, 0), At(0, 0.2)}, 500);
+  EXPECT_EQ(last.path_id, id + Duration(1));
+  EXPECT_LT(robot.translation().x(), 0.7) << "goes on along the path that was withdrawn";
+}
+
+TEST(StopAndTurn, SaysThatAPoseIsMissingAndThatAfterAResetOfTheClockNobodyRepeatsThePath) {
+  StopAndTurn controller(PathFollower::Options{});
+  const auto at = [](double seconds) { return Time{} + FromSeconds(seconds); };
+  controller.SetPath(at(1000.0), {At(0, 0), At(0.1, 0), At(0.2, 0, 0, 1.0), At(3, 0)}, at(1000.0));
+  const Motion lacking = controller.Step(at(1000.0));
+  EXPECT_EQ(lacking.state, MotionState::kStopped);
+  EXPECT_EQ(lacking.reason, StopReason::kNoPose);
+  EXPECT_EQ(lacking.path_id, at(1000.0));
+  RigidTransform robot = At(0, 0);
+  Motion motion;
+  for (int tick = 0; tick < 500; ++tick) {
+    const Time now = at(test::kTick * tick);
+    controller.SetPose(robot, now);
+    motion = controller.Step(now);
+    if (motion.command) robot = motion.command->T_WB;
+  }
+  EXPECT_EQ(motion.reason, StopReason::kPathSilent);
+  EXPECT_LT(robot.translation().x(), 0.3);
+}
+
+TEST(StopAndTurn, FindsItsPathAgainWhereItWasPushedOrLost) {
   Ride ride = Stopping();
-  ride.Follow(kCorner);
+  ride.Follow({At(0, 0), At(4, 0), At(4, 1, 0, 1.0)});
   ride.Until([&](const Motion&) { return ride.robot().translation().x() > 1.0; });
-  const RigidTransform here = ride.robot();
-  ride.Follow({At(here.translation().x() + 0.1, 0, 0, 0.5), At(here.translation().x() + 0.1, -1, 0, -1.0)});
+  ride.robot().translation().x() += 2.0;  // along the path
   ride.UntilDone();
-  EXPECT_NEAR(ride.robot().translation().y(), -1.0, 1e-6);
-  const Eigen::Vector3d stands_W = ride.robot().translation();
-  ride.Follow({MakeTransform(RotationFromYawPitch(1.0, 0.0), stands_W)});
-  ride.Until([&](const Motion& motion) {
-    EXPECT_LT((ride.robot().translation() - stands_W).norm(), 1e-6);
-    return motion.state == MotionState::kDone && YawOf(ride.robot().linear()) > 0.9;
+  EXPECT_NEAR(ride.robot().translation().y(), 1.0, 0.03);
+
+  Ride lost = Stopping();
+  lost.Follow({At(0, 0), At(4, 0), At(4, 1, 0, 1.0)});
+  lost.Until([&](const Motion&) { return lost.robot().translation().x() > 1.0; });
+  const double began = lost.now();
+  lost.Until([&](const Motion&) {
+    lost.controller().SetLost(true, lost.time());
+    return lost.now() - began > 3.0;
   });
+  EXPECT_LT(lost.robot().translation().x(), 1.0) << "it went back";
+  MovesOrTurns moves_or_turns;
+  lost.Until([&](const Motion& motion) {
+    moves_or_turns.Add(motion.command);
+    return motion.state == MotionState::kDone;
+  });
+  EXPECT_NEAR(lost.robot().translation().y(), 1.0, 0.03);
 }
 
 TEST(StopAndTurn, AnEmptyPathStopsItAndOneThatIsTooFarAwayIsNotJoined) {
@@ -140,22 +262,27 @@ TEST(StopAndTurn, StopsBeforeAWall) {
 }
 
 TEST(StopAndTurn, CutOffItGoesBackOverAllLegsAndThenFollowsThePathAgain) {
-  PathFollower::Options options;
-  options.cut_off = {.action = OnCutOff::kHome, .after = 4.0};
-  Ride ride = Stopping(options);
-  ride.Follow(kCorner);
-  ride.Until([&](const Motion&) { return ride.robot().translation().y() > 0.3; });
-  ride.path_silent = true;
-  ride.Until([](const Motion& motion) { return motion.reason == StopReason::kWentBack; });
-  EXPECT_LT(ride.robot().translation().norm(), 0.05);
-  ride.path_silent = false;
-  ride.UntilDone();
-  EXPECT_LT((ride.robot().translation() - kCorner.back().translation()).norm(), 0.03);
+  for (const double y_when_cut_off : {-0.1, 0.3}) {
+    PathFollower::Options options;
+    options.cut_off = {.action = OnCutOff::kHome, .after = 4.0};
+    Ride ride = Stopping(options);
+    ride.Follow(kCorner);
+    ride.Until([&](const Motion&) {
+      return ride.robot().translation().x() > 1.5 && ride.robot().translation().y() > y_when_cut_off;
+    });
+    ride.path_silent = true;
+    ride.Until([](const Motion& motion) { return motion.reason == StopReason::kWentBack; });
+    EXPECT_LT(ride.robot().translation().norm(), 0.05);
+    ride.path_silent = false;
+    ride.UntilDone();
+    EXPECT_LT((ride.robot().translation() - kCorner.back().translation()).norm(), 0.03);
+  }
 }
 
 TEST(StopAndTurn, ARobotThatDrivesFacesAlongEachLegAndEndsInTheLastOrientation) {
   PathFollower::Options options;
   options.robot.drives = true;
+  options.robot.drive = Drive::kDifferential;
   Ride ride = Stopping(options);
   ride.Follow({At(0, 0), At(2, 0), At(2, 1), At(1, 1, 0, 1.0)});
   Eigen::Vector3d before_W = ride.robot().translation();

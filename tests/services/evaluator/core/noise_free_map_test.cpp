@@ -19,7 +19,8 @@ RigidTransform Looking(double yaw) {
 /// The map of two scans by a sensor with that noise, beside the one without.
 struct Pair {
   explicit Pair(const DepthSensorModel& sensor)
-      : noise_free(world, sensor, std::make_unique<mapper::OccupancyMap>(mapper::OccupancyMap::Options{})) {
+      : noise_free(world, sensor, nullptr,
+                   std::make_unique<mapper::OccupancyMap>(mapper::OccupancyMap::Options{})) {
     mapper::OccupancyMap map({});
     simulator::DepthSensor noisy(sensor);
     for (const double yaw : {0.0, 1.0}) {

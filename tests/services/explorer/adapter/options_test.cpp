@@ -42,6 +42,11 @@ TEST(OptionsFrom, LooksNoFurtherThanWhatIsMappedUnlessToldTo) {
   EXPECT_EQ(OptionsFrom(scenario).look_range, standard);
   scenario.mutable_depth_sensor()->set_max_range_m(0.5 * standard);
   EXPECT_EQ(OptionsFrom(scenario).look_range, 0.5 * standard);
+  scenario.mutable_mapper()->mutable_filter()->set_type(Mapper::Filter::DISTANCE);
+  EXPECT_EQ(OptionsFrom(scenario).look_range, 0.5 * standard) << "the filter drops what is beyond 10 m";
+  scenario.mutable_mapper()->mutable_filter()->set_max_distance_m(0.25 * standard);
+  EXPECT_EQ(OptionsFrom(scenario).look_range, 0.25 * standard);
+  EXPECT_EQ(OptionsFrom(scenario).sensor_range, 0.25 * standard);
   scenario.mutable_explorer()->set_look_range_m(2.0 * standard);
   EXPECT_EQ(OptionsFrom(scenario).look_range, 2.0 * standard);
 }

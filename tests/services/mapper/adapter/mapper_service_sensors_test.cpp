@@ -119,6 +119,35 @@ TEST_P(MapperServiceTest, RaysWithoutReturnClearSpaceOnlyWhereTheScenarioSaysSo)
   }
 }
 
+TEST_P(MapperServiceTest, WhatTheFilterDropsCountsAsNotMeasured) {
+  options_.filter = {.type = FilterModel::Type::kDistance, .max_distance = 2.0};
+  options_.checkpoint_period = Duration::zero();
+  Start();
+  Listener listener;
+  Connect(listener);
+  ASSERT_TRUE(listener.Follow(*bus_, 0, 0));
+  SendPose(1.0);
+  PointCloud wall{.width_px = 40, .height_px = 30, .points_C = {}, .colors = {}};
+  const PinholeCamera camera = PinholeCamera::FromFieldOfView(40, 30, 1.3);
+  for (int v = 0; v < 30; ++v) {
+    for (int u = 0; u < 40; ++u) {
+      const float depth = u < 20 ? 1.5F : 3.0F;  // the right half is beyond
+      wall.points_C.push_back(depth * camera.RayAtUnitDepth(u, v).cast<float>());
+    }
+  }
+  points_.Write(dds::ToIdl(At(1.0), wall));
+  ASSERT_TRUE(listener.Follow(*bus_, 0, 1));
+  const Result<ScanView> scan = dds::FromIdl(listener.scans().back());
+  ASSERT_TRUE(scan && scan->measured);
+  const int row = 8 * 4;  // in the middle of the image
+  EXPECT_EQ(scan->measured->of_255.at(row), 255);
+  EXPECT_EQ(scan->measured->of_255.at(row + 7), 0);
+  const OccupancyGrid grid = mapper_->grid();
+  grid.ForEachKnown([&](const VoxelIndex& voxel, float) {
+    EXPECT_LE((grid.CenterOf(voxel) - (PoseAt(1.0) * options_.T_BC).translation()).norm(), 2.2);
+  });
+}
+
 TEST_P(MapperServiceTest, RaysWithoutReturnOfUnknownDirectionsAreCountedAndClearNothing) {
   options_.map.no_return = PinholeCamera::FromFieldOfView(40, 30, 1.3);
   Start();

@@ -49,9 +49,9 @@ TEST(MapperOptions, ComeFromTheScenarioAndElseFromTheCore) {
   EXPECT_TRUE(options.map.protect);
   EXPECT_EQ(options.map.log_odds_hit, 0.7F);
   EXPECT_EQ(options.checkpoint_period, Duration::zero());
-  EXPECT_EQ(options.filter.type, FilterOptions::Type::kOutlier);
+  EXPECT_EQ(options.filter.type, FilterModel::Type::kOutlier);
   EXPECT_EQ(options.filter.neighbors, 12);
-  EXPECT_EQ(options.filter.deviations, FilterOptions().deviations);
+  EXPECT_EQ(options.filter.deviations, FilterModel().deviations);
 }
 
 }  // namespace

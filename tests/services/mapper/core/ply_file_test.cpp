@@ -210,6 +210,9 @@ TEST(PlyFileErrors, NameWhatIsWrongWithTheHeader) {
   EXPECT_THAT(error_of("element vertex 1\nproperty half x"), HasSubstr("\"property half x\""));
   EXPECT_THAT(error_of("element vertex 1\nproperty list float x"), HasSubstr("must state types and a name"));
   EXPECT_THAT(error_of("element vertex 1\n" + kPlace + "element vertex 1"), HasSubstr("the second one"));
+  std::string many;
+  for (int k = 0; k < 65; ++k) many += "element e" + std::to_string(k) + " 0\n";
+  EXPECT_THAT(error_of(many), HasSubstr("one of too many elements"));
   EXPECT_THAT(error_of("vertex 1"), HasSubstr("of no kind that it may have"));
   for (const std::string size : {"0", "-1", "nan", "inf", "x"}) {
     EXPECT_THAT(error_of("comment thalweg voxel_size " + size), HasSubstr("a voxel's edge"));

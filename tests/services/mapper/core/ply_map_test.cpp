@@ -136,5 +136,16 @@ TEST(PlyMap, FewTrianglesCannotTakeUpGigabytes) {
   EXPECT_THAT(map.error(), HasSubstr("has more than 4096 blocks"));
 }
 
+TEST(PlyMap, TheSameTriangleManyTimesCannotTakeForEver) {
+  const PlyFile once = MeshOf({{Eigen::Vector3d(0.05, 0.05, 0.05), Eigen::Vector3d(0.75, 0.05, 0.05),
+                                Eigen::Vector3d(0.05, 0.75, 0.05)}});
+  EXPECT_TRUE(MapOf(once, kEdge, 1));
+  PlyFile often = once;
+  often.triangles.resize(10'000, once.triangles.front());
+  const auto map = MapOf(often, kEdge, 1);
+  ASSERT_FALSE(map);
+  EXPECT_THAT(map.error(), HasSubstr("has triangles that pass through too many voxels of 0.1 m"));
+}
+
 }  // namespace
 }  // namespace thalweg::mapper

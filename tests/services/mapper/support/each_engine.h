@@ -12,7 +12,13 @@ namespace thalweg::test {
 inline const auto kEngines = testing::Values(mapper::MapEngine::kBlocks, mapper::MapEngine::kOctomap);
 
 inline std::string NameOfEngine(const testing::TestParamInfo<mapper::MapEngine>& tested) {
-  return tested.param == mapper::MapEngine::kBlocks ? "Blocks" : "Octomap";
+  switch (tested.param) {
+    case mapper::MapEngine::kBlocks:
+      return "Blocks";
+    case mapper::MapEngine::kOctomap:
+      return "Octomap";
+  }
+  return "NoName";
 }
 
 }  // namespace thalweg::test

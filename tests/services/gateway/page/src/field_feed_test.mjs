@@ -73,6 +73,24 @@ test("What is at hand is shown at once, unless the robot has decided since", () 
   }
 });
 
+test("What was sealed off from the field at hand is shown with it, but not what another strategy has sealed", () => {
+  const { feed, handlers, said, send } = makeFeed();
+  feed.follow("potential");
+  feed.show(true);
+  send("field", 5);
+  handlers.get("/sealed")({ name: "dead ends" });
+  feed.show(false);
+  said.length = 0;
+  feed.show(true);
+  assert.deepEqual(said, ["field", "dead ends"]);
+  feed.follow("potential_flux");
+  send("its field", 6);
+  feed.show(false);
+  said.length = 0;
+  feed.show(true);
+  assert.deepEqual(said, ["its field"]);
+});
+
 test("Of another strategy it is not known whether it has a field; the one before is forgotten", () => {
   const { feed, said, send, reads } = makeFeed();
   feed.follow("potential");
