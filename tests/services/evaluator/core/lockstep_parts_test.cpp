@@ -32,8 +32,8 @@ TEST(LockstepParts, ARobotThatStopsToTurnExploresAll) {
 }
 
 TEST(LockstepParts, WhatTheFilterDropsIsNeitherMappedNorLookedFor) {
-  constexpr double kFarthest = 1.2;  // [m]
-  const Scene scene("tiny", {"mapper.filter.type=DISTANCE", "mapper.filter.max_distance_m=1.2"});
+  constexpr double kFarthest = 1.5;  // [m]
+  const Scene scene("tiny", {"mapper.filter.type=DISTANCE", "mapper.filter.max_distance_m=1.5"});
   const LockstepOptions options = scene.Options("closest", 1);
   EXPECT_EQ(options.explorer.sensor_range, kFarthest);
   EXPECT_EQ(options.explorer.look_range, kFarthest);
