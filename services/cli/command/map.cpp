@@ -112,7 +112,7 @@ void AddMapDiff(CLI::App& map, int& exit_code) {
   command->add_option("first", args->first, kReads)->required();
   command->add_option("second", args->second, kReads)->required();
   command->add_option("-o,--out", args->out,
-                      "Also write what appeared (green) and what vanished (red), as .ply");
+                      "Also write what was free and is occupied (green) and the reverse (red), as .ply");
   command->callback([args, &exit_code] {
     if (!args->out.empty()) mapper::CheckMapExtension(args->out);
     std::vector<LoadedMap> maps;
@@ -145,7 +145,10 @@ void AddMapCrop(CLI::App& map) {
     const Eigen::AlignedBox3d box_W(Eigen::Vector3d(args->low[0], args->low[1], args->low[2]),
                                     Eigen::Vector3d(args->high[0], args->high[1], args->high[2]));
     if (box_W.isEmpty()) throw std::runtime_error("--min must not be above --max");
-    mapper::SaveMapAs(mapper::Crop(LoadWithVoxelSize(args->in, args->voxel_size), box_W), args->out);
+    const ColoredMap cropped = mapper::Crop(LoadWithVoxelSize(args->in, args->voxel_size), box_W);
+    if (cropped.grid.block_count() == 0)
+      throw std::runtime_error(args->in.string() + ": no known voxel of it lies in the box");
+    mapper::SaveMapAs(cropped, args->out);
   });
 }
 

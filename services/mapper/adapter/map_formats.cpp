@@ -77,8 +77,8 @@ LoadedMap AsMap(MapOrShape loaded, const std::filesystem::path& file, std::optio
   const PlyFile& ply = std::get<PlyFile>(loaded);
   if (!voxel_size) {
     throw std::runtime_error(file.string() +
-                             ": states no voxel size; `thalweg map convert` with --voxel-size "
-                             "makes a map of it");
+                             ": states no voxel size; `thalweg map convert` and `crop` take one with "
+                             "--voxel-size");
   }
   return {ValueOf(MapOf(ply, *voxel_size, kMostStoredBlocks), file), FormatOf(ply) + kNoFreeSpace};
 }

@@ -157,8 +157,9 @@ class PlyNumbers {
     return 0;
   }
 
-  /// In a text, each record has lines of its own.
+  /// In a text, each record has a line of its own.
   void EndRecord() {
+    in_record_ = false;
     if (encoding_ != PlyEncoding::kAscii || !problem_.empty()) return;
     const std::size_t next = rest_.find_first_not_of(" \t\r");
     if (next != std::string_view::npos && rest_[next] != '\n')
@@ -174,6 +175,11 @@ class PlyNumbers {
   }
 
   double TakeText() {
+    const std::size_t next = rest_.find_first_not_of(" \t\r");
+    if (in_record_ && next != std::string_view::npos && rest_[next] == '\n') {
+      return Fail("has fewer values than its header states");
+    }
+    in_record_ = true;
     std::string_view word = TakeWord(rest_);
     if (word.empty()) return Fail("is cut off");
     const std::string_view whole = word;
@@ -206,6 +212,7 @@ class PlyNumbers {
 
   PlyEncoding encoding_;
   std::string_view rest_;
+  bool in_record_ = false;  ///< Whether a number of the present record has been taken.
   std::string problem_;
 };
 
@@ -235,6 +242,10 @@ class PlyReader {
  private:
   using Index = std::optional<std::size_t>;
 
+  bool FailAll(const char* problem) {
+    problem_ = problem;
+    return false;
+  }
   bool Fail(const PlyElement& element, std::uint64_t record, const std::string& problem) {
     problem_ = problem + ", in " + CleanText(element.name) + ' ' + std::to_string(record) + " of " +
                std::to_string(element.count);
@@ -243,10 +254,10 @@ class PlyReader {
 
   bool ReadElement(const PlyElement& element) {
     if (element.count == 0) return true;
-    if (element.properties.empty()) return Fail(element, 0, "has no properties");
+    if (element.properties.empty()) return FailAll("has elements without properties");
     if (element.name == "vertex") return ReadVertices(element);
     if (element.name == "face") return ReadFaces(element);
-    if (element.name == "tristrips") return Fail(element, 0, "has strips of triangles, must have faces");
+    if (element.name == "tristrips") return FailAll("has strips of triangles, must have faces");
     return ForEachRecord(element, std::nullopt, [](std::uint64_t) { return true; });
   }
 
@@ -286,7 +297,7 @@ class PlyReader {
     const std::array<Index, 3> color = {element.Find("red", false), element.Find("green", false),
                                         element.Find("blue", false)};
     const auto is_there = [](const Index& property) { return property.has_value(); };
-    if (!std::ranges::all_of(place, is_there)) return Fail(element, 0, "lacks x, y or z");
+    if (!std::ranges::all_of(place, is_there)) return FailAll("has vertices without x, y or z");
     const bool has_colors = std::ranges::all_of(color, is_there);
     return ForEachRecord(element, std::nullopt, [&](std::uint64_t record) {
       const Eigen::Vector3d point(values_[*place[0]], values_[*place[1]], values_[*place[2]]);
@@ -322,7 +333,7 @@ class PlyReader {
   bool ReadFaces(const PlyElement& element) {
     Index corners = element.Find("vertex_indices", true);
     if (!corners) corners = element.Find("vertex_index", true);
-    if (!corners) return Fail(element, 0, "lacks a list vertex_indices");
+    if (!corners) return FailAll("has faces without a list vertex_indices");
     return ForEachRecord(element, corners, [&](std::uint64_t record) {
       constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
       for (const double corner : list_) {

@@ -78,6 +78,10 @@ TEST_F(MapCommand, CropAndMergeAreInverse) {
   EXPECT_EQ(Map("merge left.ot right.ot -o both.ot").exit_code, 0);
   EXPECT_TRUE(Load("both.ot").grid.SameAs(Floor(2).grid));
   EXPECT_EQ(Map("crop a.ot none.ot --min 1 0 0 --max 0 2 1").exit_code, 1);
+  const Outcome beside = Map("crop a.ot none.ot --min 50 0 0 --max 60 2 1");
+  EXPECT_EQ(beside.exit_code, 1);
+  EXPECT_THAT(beside.text, HasSubstr("a.ot: no known voxel of it lies in the box"));
+  EXPECT_FALSE(fs::exists(folder_ / "none.ot"));
 }
 
 /// The floor of the first map as a foreign point cloud: a point in the middle of each voxel.

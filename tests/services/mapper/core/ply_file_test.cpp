@@ -223,7 +223,9 @@ TEST(PlyFileErrors, NameWhatIsWrongAndWhere) {
   const auto error_of = [](const std::string& body) {
     return ErrorOfPly(TextPly("element vertex 2\n" + kPlace, body));
   };
-  EXPECT_THAT(error_of("1 2 3\n4 5\n"), HasSubstr("is cut off, in vertex 1 of 2"));
+  EXPECT_THAT(error_of("1 2 3\n4 5"), HasSubstr("is cut off, in vertex 1 of 2"));
+  EXPECT_THAT(error_of("1 2\n4 5 6\n"),
+              HasSubstr("has fewer values than its header states, in vertex 0 of 2"));
   EXPECT_THAT(error_of("1 2 3 9\n4 5 6\n"), HasSubstr("has more values than its header states, in vertex 0"));
   EXPECT_THAT(error_of("1 2 3\n4 \x1b[31m 6\n"), HasSubstr("has \"\uFFFD[31m\" for a number, in vertex 1"));
   for (const char* const bad : {"inf", "-inf"}) {
@@ -233,8 +235,10 @@ TEST(PlyFileErrors, NameWhatIsWrongAndWhere) {
   EXPECT_THAT(error_of("1 2 3\n4 1e999 6\n"), HasSubstr("has \"1e999\" for a number"));
   EXPECT_EQ(ErrorOfPly(TextPly("element vertex 0\n" + kPlace, "")), "has no vertices with a place");
   EXPECT_EQ(ErrorOfPly(TextPly("", "")), "has no vertices with a place");
-  EXPECT_THAT(ErrorOfPly(TextPly("element vertex 1\n", "1 2 3")), HasSubstr("has no properties"));
-  EXPECT_THAT(ErrorOfPly(TextPly("element vertex 1\nproperty float x\n", "1")), HasSubstr("lacks x, y or z"));
+  EXPECT_THAT(ErrorOfPly(TextPly("element vertex 1\n", "1 2 3")),
+              HasSubstr("has elements without properties"));
+  EXPECT_THAT(ErrorOfPly(TextPly("element vertex 1\nproperty float x\n", "1")),
+              HasSubstr("has vertices without x, y or z"));
   const std::string colored = "element vertex 1\n" + kPlace + kColor;
   EXPECT_THAT(ErrorOfPly(TextPly(colored, "1 2 3 1 256 3")), HasSubstr("has a color beyond 0 to 255"));
   EXPECT_THAT(ErrorOfPly(TextPly(colored, "1 2 3 1 nan 3")), HasSubstr("has a color beyond 0 to 255"));
