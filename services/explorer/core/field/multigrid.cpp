@@ -208,7 +208,9 @@ void Multigrid::Advance(const Team::Member& member, float alpha, const float* q,
   if (restricts) ClearCoarse(1, member);
   // The members beside this one read its outermost planes, so these are up to date before all others.
   const bool shared = member.count > 1;
-  const auto outermost = [begin, end](int plane) { return plane == begin || plane == end - 1; };
+  const auto outermost = [first = begin, last = end - 1](int plane) {
+    return plane == first || plane == last;
+  };
   for (int plane = begin; shared && plane < end; plane += std::max(1, end - 1 - begin)) {
     const std::span<const Segment> s = SegmentsOfPlane(0, plane);
     dots[plane] = kernels_.descend(s.data(), s.data() + s.size(), alpha, q, r);
