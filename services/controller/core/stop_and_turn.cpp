@@ -85,7 +85,6 @@ bool StopAndTurn::MakeLegs(const Motion& motion) {
     if (!faces_travel) legs_.push_back({.T_WBs = {turned}});
     legs_.push_back({.T_WBs = {turned, to}, .length = (to.translation() - from.translation()).norm()});
   }
-  if (legs_.empty()) legs_ = {{.T_WBs = {MakeTransform(joined->front().linear(), start_W)}}};
   return true;
 }
 

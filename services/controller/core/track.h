@@ -95,7 +95,7 @@ class Track {
 /// The remaining path for a robot at `p_W`: a first waypoint there, a short straight connection onto the
 /// path, and the path from there on. The connection meets the path a little ahead, so that a small offset
 /// makes no sharp corner, but it never strays farther from the path than the offset.
-/// @param path  Not empty. @return Empty when the path is farther away than `tolerance`.
+/// @param path  Not empty. @return Two poses or more; empty when the path is farther away than `tolerance`.
 std::optional<std::vector<RigidTransform>> JoinPath(const Eigen::Vector3d& p_W,
                                                     const std::vector<RigidTransform>& path,
                                                     double tolerance);
