@@ -132,12 +132,25 @@ TEST(TrueMap, OfOneThatDrivesIsTheLayerThatItsBodySweeps) {
   EXPECT_FALSE(truth.HoldsFor({0.06, 0.5, 0.45}));
 }
 
-class LevelTruth : public testing::TestWithParam<bool> {};  // whether the robot drives
+struct ViewedLevel {
+  const char* name;
+  bool drives;
+  std::optional<double> pitch;  ///< [rad] Empty: a gimbal pitches it.
+  double lower = 0.0;           ///< [pixels] The image's middle lies that much above the camera's axis.
+};
+class LevelTruth : public testing::TestWithParam<ViewedLevel> {};
 
-INSTANTIATE_TEST_SUITE_P(Drives, LevelTruth, testing::Bool());
+INSTANTIATE_TEST_SUITE_P(
+    Cameras, LevelTruth,
+    testing::Values(ViewedLevel{"FliesUp", false, -0.3}, ViewedLevel{"Flies", false, 0.0},
+                    ViewedLevel{"FliesDown", false, 0.2, 10.0}, ViewedLevel{"Gimballed", false, {}, 10.0},
+                    ViewedLevel{"DrivesUp", true, -0.3}, ViewedLevel{"Drives", true, 0.0},
+                    ViewedLevel{"DrivesDown", true, 0.2, 10.0}),
+    [](const auto& its) { return std::string(its.param.name); });
 
 TEST_P(LevelTruth, SeesTheFreeVoxelsThatALevelCameraSeesByBruteForce) {
-  const bool drives = GetParam();
+  const auto& [name, drives, pitch, lower] = GetParam();
+  const bool gimballed = !pitch;
   const Box room(Point(0.033, 0.047, 0.024), Point(2.43, 1.93, 1.62));
   Mesh mesh = test::BoxMesh(room.min(), room.max());
   test::AddBox(mesh, {Point(0.9, 0.4, 0.85), Point(1.9, 1.3, 0.90)});     // a board
@@ -146,64 +159,58 @@ TEST_P(LevelTruth, SeesTheFreeVoxelsThatALevelCameraSeesByBruteForce) {
   const World world(mesh, room);
   const Point start(0.4, 0.4, 0.62);
   PinholeCamera camera = PinholeCamera::FromFieldOfView(100, 50, 1.2);
-  constexpr double kGimballed = 9.0;  // instead of a pitch
-  for (const double pitch : {-0.3, 0.0, 0.2, kGimballed}) {
-    const bool gimballed = pitch == kGimballed;
-    if (gimballed && drives) continue;
-    RobotModel robot{.radius = 0.12,
-                     .height = drives ? 1.1 : 0.3,
-                     .attitude = gimballed ? Attitude::kGimbal : Attitude::kLevel,
-                     .drives = drives,
-                     .gimbal_lowest = -0.7,
-                     .gimbal_highest = -0.1};
-    if (!gimballed)
-      robot.T_BC = MakeTransform(RotationFromYawPitch(0.0, pitch) * BodyFromOptical(), Point(0, 0, 0.2));
-    if (pitch == 0.2) camera.cy -= 10.0;
-    const TrueMap truth(world, start,
-                        {.voxel_size = 0.1, .robot = robot, .camera = camera, .view_range = 2.0});
-    const SurfaceVoxels surfaces(mesh, truth.voxels().box(), 0.1, 1e-4);
-    std::vector<Point> positions;
-    for (std::size_t i = 0; i < truth.reachable().size(); ++i) {
-      if (!truth.reachable()[i]) continue;
-      const Point place = VoxelCenter(truth.reachable().IndexAt(i), 0.1);
-      positions.emplace_back(place.x(), place.y(), drives ? start.z() : place.z());
-    }
-    std::size_t hidden = 0;
-    std::size_t outside_the_image = 0;
-    std::size_t missed = 0;  // between the rays of the fan
-    std::size_t all_seen = 0;
-    for (std::size_t i = 0; i < truth.voxels().size(); ++i) {
-      const VoxelIndex voxel = truth.voxels().IndexAt(i);
-      if (surfaces.KindOf(i) != SurfaceVoxels::Kind::kNone) continue;
-      if (drives ? truth.reachable()[i] != 0 : CubeAround(VoxelAt(start, 0.1), 1).Contains(voxel)) continue;
-      const Point center = VoxelCenter(voxel, 0.1);
-      bool seen = false;
-      bool in_sight = false;
-      for (const Point& p : positions) {
-        const double yaw = std::atan2(center.y() - p.y(), center.x() - p.x());
-        const Point eye = MakeTransform(RotationFromYawPitch(yaw, 0.0), p) * robot.T_BC.translation();
-        if ((eye - center).norm() > 2.0 || !world.InSight(eye, center)) continue;
-        in_sight = true;
-        constexpr int kPitches = 40;
-        for (int n = 0; n <= (gimballed ? kPitches : 0) && !seen; ++n) {
-          const double up = gimballed ? -0.7 + 0.6 * n / kPitches : 0.0;
-          seen =
-              camera.Sees((MakeTransform(RotationFromYawPitch(yaw, up), p) * robot.T_BC).inverse() * center);
-        }
-      }
-      const bool found = truth.voxels()[i] == TrueVoxel::kFree;
-      ASSERT_LE(found, seen) << pitch << ": " << center.transpose();
-      missed += seen && !found;
-      all_seen += seen;
-      hidden += !seen;
-      outside_the_image += in_sight && !seen;
-    }
-    EXPECT_GT(hidden, 20U);
-    if (drives) {
-      EXPECT_GT(outside_the_image, 20U);
-    }
-    EXPECT_LE(missed, all_seen / 50) << pitch;
+  camera.cy -= lower;
+  RobotModel robot{.radius = 0.12,
+                   .height = drives ? 1.1 : 0.3,
+                   .attitude = gimballed ? Attitude::kGimbal : Attitude::kLevel,
+                   .drives = drives,
+                   .gimbal_lowest = -0.7,
+                   .gimbal_highest = -0.1};
+  if (!gimballed)
+    robot.T_BC = MakeTransform(RotationFromYawPitch(0.0, *pitch) * BodyFromOptical(), Point(0, 0, 0.2));
+  const TrueMap truth(world, start, {.voxel_size = 0.1, .robot = robot, .camera = camera, .view_range = 2.0});
+  const SurfaceVoxels surfaces(mesh, truth.voxels().box(), 0.1, 1e-4);
+  std::vector<Point> positions;
+  for (std::size_t i = 0; i < truth.reachable().size(); ++i) {
+    if (!truth.reachable()[i]) continue;
+    const Point place = VoxelCenter(truth.reachable().IndexAt(i), 0.1);
+    positions.emplace_back(place.x(), place.y(), drives ? start.z() : place.z());
   }
+  std::size_t hidden = 0;
+  std::size_t outside_the_image = 0;
+  std::size_t missed = 0;  // between the rays of the fan
+  std::size_t all_seen = 0;
+  for (std::size_t i = 0; i < truth.voxels().size(); ++i) {
+    const VoxelIndex voxel = truth.voxels().IndexAt(i);
+    if (surfaces.KindOf(i) != SurfaceVoxels::Kind::kNone) continue;
+    if (drives ? truth.reachable()[i] != 0 : CubeAround(VoxelAt(start, 0.1), 1).Contains(voxel)) continue;
+    const Point center = VoxelCenter(voxel, 0.1);
+    bool seen = false;
+    bool in_sight = false;
+    for (const Point& p : positions) {
+      if (seen) break;
+      const double yaw = std::atan2(center.y() - p.y(), center.x() - p.x());
+      const Point eye = MakeTransform(RotationFromYawPitch(yaw, 0.0), p) * robot.T_BC.translation();
+      if ((eye - center).norm() > 2.0 || !world.InSight(eye, center)) continue;
+      in_sight = true;
+      constexpr int kPitches = 40;
+      for (int n = 0; n <= (gimballed ? kPitches : 0) && !seen; ++n) {
+        const double up = gimballed ? -0.7 + 0.6 * n / kPitches : 0.0;
+        seen = camera.Sees((MakeTransform(RotationFromYawPitch(yaw, up), p) * robot.T_BC).inverse() * center);
+      }
+    }
+    const bool found = truth.voxels()[i] == TrueVoxel::kFree;
+    ASSERT_LE(found, seen) << center.transpose();
+    missed += seen && !found;
+    all_seen += seen;
+    hidden += !seen;
+    outside_the_image += in_sight && !seen;
+  }
+  EXPECT_GT(hidden, 20U);
+  if (drives) {
+    EXPECT_GT(outside_the_image, 20U);
+  }
+  EXPECT_LE(missed, all_seen / 50);
 }
 
 TEST(TrueMap, AViewRangeEndsWhatCanBeSeen) {
