@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "common/base/angles.h"
-#include "common/scenario/scenario.h"
 #include "services/evaluator/adapter/scene.h"
 #include "services/evaluator/text/run_end_text.h"
 

@@ -24,7 +24,7 @@ INSTANTIATE_TEST_SUITE_P(Strategies, ExplorerTest, testing::ValuesIn(test::Choos
                          [](const auto& its) { return std::string(its.param); });
 
 TEST(Explorer, MostStrategiesChooseAmongItsCandidates) {
-  EXPECT_GE(test::ChoosingStrategies().size(), 9U) << "the tests above run for each of them";
+  EXPECT_GE(test::ChoosingStrategies().size(), 9U) << "the tests run for each of them";
 }
 
 TEST_P(ExplorerTest, ARoomThatIsAllKnownIsComplete) {

@@ -132,21 +132,21 @@ TEST(TrueMap, OfOneThatDrivesIsTheLayerThatItsBodySweeps) {
   EXPECT_FALSE(truth.HoldsFor({0.06, 0.5, 0.45}));
 }
 
-struct ViewedLevel {
+struct TruthCase {
   const char* name;
   bool drives;
   std::optional<double> pitch;  ///< [rad] Empty: a gimbal pitches it.
   double lower = 0.0;           ///< [pixels] The image's middle lies that much above the camera's axis.
 };
-class LevelTruth : public testing::TestWithParam<ViewedLevel> {};
+class LevelTruth : public testing::TestWithParam<TruthCase> {};
 
-INSTANTIATE_TEST_SUITE_P(
-    Cameras, LevelTruth,
-    testing::Values(ViewedLevel{"FliesUp", false, -0.3}, ViewedLevel{"Flies", false, 0.0},
-                    ViewedLevel{"FliesDown", false, 0.2, 10.0}, ViewedLevel{"Gimballed", false, {}, 10.0},
-                    ViewedLevel{"DrivesUp", true, -0.3}, ViewedLevel{"Drives", true, 0.0},
-                    ViewedLevel{"DrivesDown", true, 0.2, 10.0}),
-    [](const auto& its) { return std::string(its.param.name); });
+INSTANTIATE_TEST_SUITE_P(Cameras, LevelTruth,
+                         testing::Values(TruthCase{"FliesUp", false, -0.3}, TruthCase{"Flies", false, 0.0},
+                                         TruthCase{"FliesDown", false, 0.2, 10.0},
+                                         TruthCase{"Gimballed", false, {}, 10.0},
+                                         TruthCase{"DrivesUp", true, -0.3}, TruthCase{"Drives", true, 0.0},
+                                         TruthCase{"DrivesDown", true, 0.2, 10.0}),
+                         [](const auto& its) { return std::string(its.param.name); });
 
 TEST_P(LevelTruth, SeesTheFreeVoxelsThatALevelCameraSeesByBruteForce) {
   const auto& [name, drives, pitch, lower] = GetParam();
