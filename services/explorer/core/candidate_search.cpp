@@ -4,15 +4,12 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/base/parallel.h"
 #include "common/base/stopwatch.h"
 #include "services/explorer/core/path/shut_in.h"
 #include "services/explorer/core/unseen.h"
 
 namespace thalweg::explorer {
 namespace {
-
-constexpr std::size_t kWorthAThread = 16;  // [clusters] Goals of fewer are found sooner than a thread begins.
 
 /// The unknown space that connects, across faces and within the bounds, with frontier voxels that were looked
 /// at in vain or are not set aside: too few to matter, or not worth their path.
@@ -42,7 +39,7 @@ std::vector<VoxelChange> AsIfFree(const PlanningMap& map, const DenseGrid<std::u
 }  // namespace
 
 CandidateSearch::CandidateSearch(const Options& options)
-    : options_(options), goal_finder_(options.look_range, options.voxel_size) {
+    : options_(options), goals_(GoalFinder(options.look_range, options.voxel_size)) {
   if (!(options.frontier.min_area >= 0.0)) throw std::invalid_argument("min_cluster_area must be >= 0");
   if (!(options.frontier.extent > 0.0)) throw std::invalid_argument("cluster_extent must be > 0");
 }
@@ -100,10 +97,7 @@ void CandidateSearch::FindFromPart(const PathSearch::Start& start, bool must_kno
   timings["frontiers"].Add(finding.Milliseconds());
   const Stopwatch goals_watch;
   const std::vector<Cluster>& clusters = frontiers_.clusters;
-  std::vector<std::vector<VoxelIndex>> goals_of(clusters.size());
-  ParallelFor(clusters.size(), kWorthAThread, [&](std::size_t n) {
-    goals_of[n] = goal_finder_.GoalsOf(clusters[n], map, search_, knowledge.views());
-  });
+  std::vector<std::vector<VoxelIndex>> goals_of = goals_.GoalsOf(clusters, map, search_, knowledge.views());
   for (std::size_t n = 0; n < clusters.size(); ++n) {
     const Cluster& cluster = clusters[n];
     std::vector<VoxelIndex>& goals = goals_of[n];
@@ -129,7 +123,8 @@ CandidateSearch::Hidden CandidateSearch::FindHidden(const Knowledge& knowledge) 
   PlanningMap map = knowledge.map();
   map.Apply(changes);
   Hidden hidden;
-  for (const Unseen& unseen : FindUnseen(map, knowledge, search_, goal_finder_, options_.frontier.extent)) {
+  for (const Unseen& unseen :
+       FindUnseen(map, knowledge, search_, goals_.finder(), options_.frontier.extent)) {
     hidden.voxels += unseen.cluster.unknowns.size();
     const std::optional<VoxelIndex> bar = unseen.Bar();
     if (bar && std::ranges::find(hidden.bars, *bar) == hidden.bars.end()) hidden.bars.push_back(*bar);

@@ -10,7 +10,7 @@
 #include "services/explorer/core/knowledge.h"
 #include "services/explorer/core/mission.h"
 #include "services/explorer/core/strategy/strategy.h"
-#include "services/explorer/core/view/goal_finder.h"
+#include "services/explorer/core/view/goal_memory.h"
 
 namespace thalweg::explorer {
 
@@ -78,7 +78,7 @@ class CandidateSearch {
                     Knowledge& knowledge, StageTimings& timings);
 
   Options options_;
-  GoalFinder goal_finder_;
+  GoalMemory goals_;
   PathSearch search_;
   PathSearch::Exemption exemption_;  ///< The last search had this one.
   Frontiers frontiers_;

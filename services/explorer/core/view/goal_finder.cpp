@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+
+#include "common/voxel/for_each_voxel.h"
 
 namespace thalweg::explorer {
 namespace {
@@ -18,17 +21,21 @@ GoalFinder::GoalFinder(double look_range, double voxel_size)
     : rays_(SpreadRays(kRays, look_range, voxel_size)),
       reach_(static_cast<int>(std::ceil(look_range / voxel_size)) + 1) {}
 
-std::vector<VoxelIndex> GoalFinder::GoalsOf(const Cluster& cluster, const PlanningMap& map,
-                                            const PathSearch& search, const ViewPlanner& views) const {
+std::vector<VoxelIndex> GoalFinder::SampleOf(const Cluster& cluster) {
+  return SpreadSample(cluster.unknowns, kSamples);
+}
+
+GoalFinder::Places GoalFinder::PlacesOf(const std::vector<VoxelIndex>& sample, const PlanningMap& map,
+                                        const PathSearch& search, const ViewPlanner& views) const {
   struct Place {
-    std::uint64_t order;  // nearest to the robot first, then in grid order
-    double distance;      // [m] to the unknown voxel
+    std::size_t offset;
+    double distance;  // [m] to the unknown voxel
   };
   const DenseGrid<VoxelState>& states = map.states();
   const VoxelIndex reach{reach_, reach_, reach_};
-  std::vector<Place> places;
+  std::vector<Place> found;
   double nearest = std::numeric_limits<double>::infinity();
-  for (const VoxelIndex& unknown : SpreadSample(cluster.unknowns, kSamples)) {
+  for (const VoxelIndex& unknown : sample) {
     // Far from the box's faces voxels are found by offsets alone.
     const bool inside = states.Contains(unknown - reach) && states.Contains(unknown + reach);
     const VoxelState* const here = inside ? states.data() + states.Offset(unknown) : nullptr;
@@ -40,26 +47,44 @@ std::vector<VoxelIndex> GoalFinder::GoalsOf(const Cluster& cluster, const Planni
       for (const auto& [offset, distance] : ray) {
         if (distance > nearest + kDepth || state_at(offset) != VoxelState::kFree) break;
         const VoxelIndex body = map.BodyOf(unknown + offset);
-        const std::uint32_t cost = search.Cost(body);
-        if (cost == PathSearch::kUnreached) continue;
+        if (!search.Reached(body)) continue;
         const Eigen::Vector3d eye_W = map.EyeAt(map.CenterOf(body));
         if (!views.CanShow(map.CenterOf(unknown) - eye_W)) continue;
         if (map.InSight(eye_W, map.CenterOf(unknown))) {
-          places.push_back({std::uint64_t{cost} << 32U | states.Offset(body), distance});
+          found.push_back({states.Offset(body), distance});
           nearest = std::min(nearest, distance);
         }
         break;
       }
     }
   }
-  std::vector<std::uint64_t> orders;
-  for (const Place& place : places) {
-    if (place.distance <= nearest + kDepth) orders.push_back(place.order);
+  // Rays that went on farther than this, before the nearest place was found, have given nothing.
+  const double farthest = (nearest + kDepth) / map.voxel_size();  // [voxels]
+  const int around = std::min(reach_, std::isinf(farthest) ? reach_ : static_cast<int>(farthest) + 1) +
+                     std::abs(map.BodyOf({0, 0, 0}).z);
+  Places places{.voxels = {}, .depends_on = CubeAround(sample.front(), around)};
+  for (const VoxelIndex& unknown : sample) {
+    const VoxelBox its = CubeAround(unknown, around);
+    VoxelBox& all = places.depends_on;
+    all.min = {std::min(all.min.x, its.min.x), std::min(all.min.y, its.min.y),
+               std::min(all.min.z, its.min.z)};
+    all.max = {std::max(all.max.x, its.max.x), std::max(all.max.y, its.max.y),
+               std::max(all.max.z, its.max.z)};
   }
-  std::ranges::sort(orders);
-  orders.erase(std::unique(orders.begin(), orders.end()), orders.end());
-  std::vector<VoxelIndex> goals;
-  for (const std::uint64_t order : orders) goals.push_back(states.IndexAt(order & 0xFFFFFFFFU));
+  std::vector<std::size_t> offsets;
+  for (const Place& place : found) {
+    if (place.distance <= nearest + kDepth) offsets.push_back(place.offset);
+  }
+  std::ranges::sort(offsets);
+  offsets.erase(std::unique(offsets.begin(), offsets.end()), offsets.end());
+  for (const std::size_t offset : offsets) places.voxels.push_back(states.IndexAt(offset));
+  return places;
+}
+
+std::vector<VoxelIndex> GoalFinder::NearestFirst(const Places& places, const PathSearch& search) {
+  const auto cost = [&](const VoxelIndex& i) { return search.Cost(i); };
+  std::vector<VoxelIndex> goals = places.voxels;
+  std::ranges::stable_sort(goals, {}, cost);  // in grid order where costs are equal
   return goals;
 }
 

@@ -23,7 +23,22 @@ class GoalFinder {
   /// @return Each position once, nearest to the robot first; empty when no reachable position sees the
   /// cluster.
   std::vector<VoxelIndex> GoalsOf(const Cluster& cluster, const PlanningMap& map, const PathSearch& search,
-                                  const ViewPlanner& views) const;
+                                  const ViewPlanner& views) const {
+    return NearestFirst(PlacesOf(SampleOf(cluster), map, search, views), search);
+  }
+
+  // What GoalsOf consists of.
+
+  /// The voxels of a cluster that its goals are found for.
+  static std::vector<VoxelIndex> SampleOf(const Cluster& cluster);
+  /// The goals in no order.
+  struct Places {
+    std::vector<VoxelIndex> voxels;
+    VoxelBox depends_on;  ///< They depend on what is in this box alone: its states and what is reached there.
+  };
+  Places PlacesOf(const std::vector<VoxelIndex>& sample, const PlanningMap& map, const PathSearch& search,
+                  const ViewPlanner& views) const;
+  static std::vector<VoxelIndex> NearestFirst(const Places& places, const PathSearch& search);
 
  private:
   std::vector<std::vector<RayStep>> rays_;
