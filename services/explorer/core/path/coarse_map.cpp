@@ -6,7 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 
+#include "common/base/check.h"
+#include "common/base/parallel.h"
 #include "services/explorer/core/path/step_cost.h"
 
 namespace thalweg::explorer {
@@ -61,15 +64,27 @@ CoarseMap::CoarseMap(const PlanningMap& map, const PathSearch& search)
   cells_box_ = {{-1, -1, -1}, {cells(box.size_x()), cells(box.size_y()), cells(box.size_z())}};
   exits_ = DenseGrid<std::uint8_t>(cells_box_, 0);
   unknown_ = DenseGrid<std::uint8_t>(cells_box_, 0);
+  THALWEG_CHECK(search.costs().box() == box);
+  const auto layers = static_cast<std::size_t>((box.size_z() + kEdge - 1) / kEdge);
+  std::vector<std::size_t> known(layers, 0);
+  ParallelFor(layers, 1, [&](std::size_t layer) { known[layer] = Describe(static_cast<int>(layer), map); });
+  known_ = std::accumulate(known.begin(), known.end(), std::size_t{0});
+  FindEdges();
+  FindRegions();
+}
+
+std::size_t CoarseMap::Describe(int layer, const PlanningMap& map) {
+  const VoxelBox& box = map.box();
   const DenseGrid<VoxelState>& states = map.states();
-  const DenseGrid<std::uint32_t>& costs = search.costs();
-  THALWEG_CHECK(costs.box() == box);
+  const DenseGrid<std::uint32_t>& costs = search_.costs();
   const auto reached = [&costs](std::ptrdiff_t k) {
     return costs[static_cast<std::size_t>(k)] != PathSearch::kUnreached;
   };
+  std::size_t known = 0;
   VoxelIndex i;
-  for (i.z = box.min.z; i.z < box.max.z; ++i.z) {
-    const int within_z = (i.z - origin_.z) % kEdge;
+  for (int within_z = 0; within_z < kEdge; ++within_z) {
+    i.z = box.min.z + layer * kEdge + within_z;
+    if (i.z >= box.max.z) break;
     for (i.y = box.min.y; i.y < box.max.y; ++i.y) {
       const int within_y = (i.y - origin_.y) % kEdge;
       std::size_t k = states.Offset({box.min.x, i.y, i.z});
@@ -84,7 +99,7 @@ CoarseMap::CoarseMap(const PlanningMap& map, const PathSearch& search)
           if (map.InBounds(i)) ++unknown_[cell];
           continue;
         }
-        ++known_;
+        ++known;
         const auto at = static_cast<std::ptrdiff_t>(k);
         if (!reached(at)) continue;  // reached voxels are never on the box's faces
         unsigned exits = kOpen;
@@ -99,8 +114,7 @@ CoarseMap::CoarseMap(const PlanningMap& map, const PathSearch& search)
       }
     }
   }
-  FindEdges();
-  FindRegions();
+  return known;
 }
 
 std::size_t CoarseMap::CellOf(const VoxelIndex& voxel) const {
@@ -136,26 +150,28 @@ void CoarseMap::FindEdges() {
   }
 }
 
-void CoarseMap::Flood(std::size_t start, std::span<const std::size_t> wanted, std::uint32_t limit) {
+void CoarseMap::Flood(std::size_t start, std::span<const std::size_t> wanted, std::uint32_t limit,
+                      FloodState& state) const {
+  auto& [buckets, costs, touched] = state;
   std::array<std::int32_t, 27> jumps{};
   for (int bit = 0; bit < 27; ++bit) {
     const VoxelIndex d = OffsetOf(bit);
     jumps[static_cast<std::size_t>(bit)] =
         static_cast<std::int32_t>(d.x + d.y * exits_.stride_y() + d.z * exits_.stride_z());
   }
-  costs_.resize(exits_.size(), kFar);
-  for (const std::uint32_t cell : touched_) costs_[cell] = kFar;
-  touched_.assign(1, static_cast<std::uint32_t>(start));
-  costs_[start] = 0;
-  buckets_[0].push_back({static_cast<std::uint32_t>(start), kSelf});
+  costs.resize(exits_.size(), kFar);
+  for (const std::uint32_t cell : touched) costs[cell] = kFar;
+  touched.assign(1, static_cast<std::uint32_t>(start));
+  costs[start] = 0;
+  buckets[0].push_back({static_cast<std::uint32_t>(start), kSelf});
   std::size_t waiting = 1;
   std::size_t known = 0;  // among those wanted
   for (std::uint32_t cost = 0; waiting > 0 && known < wanted.size() && cost <= limit; ++cost) {
-    std::vector<Step>& bucket = buckets_[cost % kBuckets];
+    std::vector<Step>& bucket = buckets[cost % kBuckets];
     for (std::size_t n = 0; n < bucket.size(); ++n) {
       const auto [at, by] = bucket[n];
       --waiting;
-      if (costs_[at] != cost) continue;
+      if (costs[at] != cost) continue;
       std::uint32_t edges = edges_[at];
       if (by != kSelf) {
         // Cells to which the previous cell has an edge as well are reached from there at no greater cost.
@@ -167,33 +183,33 @@ void CoarseMap::Flood(std::size_t start, std::span<const std::size_t> wanted, st
         const auto bit = static_cast<std::uint32_t>(std::countr_zero(edges));
         const std::uint32_t to = at + static_cast<std::uint32_t>(jumps[bit]);
         const std::uint32_t next_cost = cost + kCosts[bit];
-        if (next_cost >= costs_[to]) continue;
-        if (costs_[to] == kFar) touched_.push_back(to);
-        costs_[to] = next_cost;
-        buckets_[next_cost % kBuckets].push_back({to, bit});
+        if (next_cost >= costs[to]) continue;
+        if (costs[to] == kFar) touched.push_back(to);
+        costs[to] = next_cost;
+        buckets[next_cost % kBuckets].push_back({to, bit});
         ++waiting;
       }
     }
     bucket.clear();
-    while (known < wanted.size() && costs_[wanted[known]] <= cost) ++known;
+    while (known < wanted.size() && costs[wanted[known]] <= cost) ++known;
   }
-  for (std::vector<Step>& bucket : buckets_) bucket.clear();
+  for (std::vector<Step>& bucket : buckets) bucket.clear();
 }
 
 std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place, std::span<const VoxelIndex> others,
-                                             double within) {
+                                             double within, FloodState& state) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double edge = 0.01 * kEdge * voxel_size_;  // [m] of one unit of cost
   const std::uint32_t limit = within < kInfinity ? static_cast<std::uint32_t>(within / edge) : kFar;
   std::vector<std::size_t> wanted;
   wanted.reserve(others.size());
   for (const VoxelIndex& other : others) wanted.push_back(CellOf(other));
-  Flood(CellOf(place), wanted, limit);
+  Flood(CellOf(place), wanted, limit, state);
   const double to_robot = search_.Length(place);
   std::vector<double> distances;
   distances.reserve(others.size());
   for (std::size_t n = 0; n < others.size(); ++n) {
-    const std::uint32_t cost = costs_[wanted[n]];
+    const std::uint32_t cost = state.costs[wanted[n]];
     if (cost > limit) {
       distances.push_back(kInfinity);
       continue;
@@ -205,6 +221,24 @@ std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place, std::span<
     const double over_cells = cost > kNeighborsCost ? cost * edge : straight;
     distances.push_back(cost == kFar ? over_robot : std::max(straight, std::min(over_cells, over_robot)));
   }
+  return distances;
+}
+
+double CoarseMap::LeastDistance(const VoxelIndex& a, const VoxelIndex& b) const {
+  const VoxelIndex d = a - b;
+  return std::max(std::hypot(d.x, d.y, d.z) * voxel_size_, std::abs(search_.Length(a) - search_.Length(b)));
+}
+
+std::vector<std::vector<double>> CoarseMap::DistancesFromEach(std::span<const VoxelIndex> places,
+                                                              std::span<const VoxelIndex> others) const {
+  constexpr std::size_t kWorthAThread = 4;  // [places]
+  std::vector<std::vector<double>> distances(places.size());
+  ParallelFor((places.size() + kWorthAThread - 1) / kWorthAThread, 1, [&](std::size_t part) {
+    FloodState state;
+    const std::size_t begin = part * kWorthAThread;
+    for (std::size_t n = begin; n < std::min(places.size(), begin + kWorthAThread); ++n)
+      distances[n] = DistancesFrom(places[n], others, std::numeric_limits<double>::infinity(), state);
+  });
   return distances;
 }
 

@@ -31,7 +31,16 @@ class CoarseMap {
   std::vector<std::vector<double>> Distances(const std::vector<VoxelIndex>& places);
   /// The same from one voxel to the others; infinite where the path over cells is longer than `within` [m].
   std::vector<double> DistancesFrom(const VoxelIndex& place, std::span<const VoxelIndex> others,
-                                    double within = std::numeric_limits<double>::infinity());
+                                    double within = std::numeric_limits<double>::infinity()) {
+    return DistancesFrom(place, others, within, state_);
+  }
+  /// The same from each of some voxels to the others, on all cores.
+  std::vector<std::vector<double>> DistancesFromEach(std::span<const VoxelIndex> places,
+                                                     std::span<const VoxelIndex> others) const;
+
+  /// [m] No path between two reached voxels is shorter than the straight line, nor than the difference of
+  /// their paths from the robot.
+  double LeastDistance(const VoxelIndex& a, const VoxelIndex& b) const;
 
   /// The value of the unknown space behind groups of unknown voxels: the value worth(voxels) of each dark
   /// region is divided among the groups that touch it, in proportion to how many of their voxels do.
@@ -41,11 +50,27 @@ class CoarseMap {
   std::size_t known_voxels() const { return known_; }
 
  private:
+  struct Step {
+    std::uint32_t to;  ///< Offset of a cell,
+    std::uint32_t by;  ///< and the bit of the neighbor that led to it.
+  };
+  static constexpr std::size_t kBuckets = 256;  ///< More than the most expensive step.
+  struct FloodState {
+    std::array<std::vector<Step>, kBuckets> buckets;  ///< Empty between floods.
+    std::vector<std::uint32_t> costs;                 ///< [hundredths of a cell] The last flood's.
+    std::vector<std::uint32_t> touched;               ///< Cells that the last flood reached.
+  };
+
   std::size_t CellOf(const VoxelIndex& voxel) const;
+  /// Describes the cells of one layer. @return  How many of its voxels are known.
+  std::size_t Describe(int layer, const PlanningMap& map);
   void FindEdges();
-  /// Computes costs_ from a cell until those of all wanted cells, or all up to a limit, are known; greater
+  /// Computes the costs from a cell until those of all wanted cells, or all up to a limit, are known; greater
   /// ones are then unreliable.
-  void Flood(std::size_t start, std::span<const std::size_t> wanted, std::uint32_t limit);
+  void Flood(std::size_t start, std::span<const std::size_t> wanted, std::uint32_t limit,
+             FloodState& state) const;
+  std::vector<double> DistancesFrom(const VoxelIndex& place, std::span<const VoxelIndex> others,
+                                    double within, FloodState& state) const;
   void FindRegions();
 
   const PathSearch& search_;
@@ -54,16 +79,9 @@ class CoarseMap {
   VoxelBox cells_box_;
   DenseGrid<std::uint8_t> exits_;   ///< Whether a cell is open, and to which face neighbors.
   DenseGrid<std::uint32_t> edges_;  ///< Bits of the 26 neighbors to which there is a connection.
-  struct Step {
-    std::uint32_t to;  ///< Offset of a cell,
-    std::uint32_t by;  ///< and the bit of the neighbor that led to it.
-  };
-  static constexpr std::size_t kBuckets = 256;       ///< More than the most expensive step.
-  std::array<std::vector<Step>, kBuckets> buckets_;  ///< Empty between floods.
-  std::vector<std::uint32_t> costs_;                 ///< [hundredths of a cell] The last flood's.
-  std::vector<std::uint32_t> touched_;               ///< Cells that the last flood reached.
-  DenseGrid<std::uint8_t> unknown_;                  ///< Number of unknown voxels in each cell.
-  DenseGrid<std::int32_t> region_;                   ///< -1 = not dark.
+  FloodState state_;
+  DenseGrid<std::uint8_t> unknown_;  ///< Number of unknown voxels in each cell.
+  DenseGrid<std::int32_t> region_;   ///< -1 = not dark.
   std::vector<std::size_t> region_volume_;
   std::size_t known_ = 0;
 };

@@ -9,13 +9,15 @@ namespace thalweg::explorer {
 
 RoughDistances::RoughDistances(CoarseMap& coarse, std::vector<VoxelIndex> places)
     : coarse_(coarse), places_(std::move(places)) {
+  std::vector<VoxelIndex> landmarks;
   std::vector<double> to_landmark(places_.size(), std::numeric_limits<double>::infinity());
-  while (from_landmarks_.size() < std::min(kLandmarks, places_.size())) {
+  while (landmarks.size() < std::min(kLandmarks, places_.size())) {
     const auto farthest = std::ranges::max_element(to_landmark) - to_landmark.begin();
-    const std::vector<double>& from = from_landmarks_.emplace_back(
-        coarse_.DistancesFrom(places_[static_cast<std::size_t>(farthest)], places_));
-    for (std::size_t n = 0; n < places_.size(); ++n) to_landmark[n] = std::min(to_landmark[n], from[n]);
+    const VoxelIndex& landmark = landmarks.emplace_back(places_[static_cast<std::size_t>(farthest)]);
+    for (std::size_t n = 0; n < places_.size(); ++n)
+      to_landmark[n] = std::min(to_landmark[n], coarse_.LeastDistance(landmark, places_[n]));
   }
+  from_landmarks_ = coarse_.DistancesFromEach(landmarks, places_);
 }
 
 std::vector<double> RoughDistances::From(std::size_t place) {

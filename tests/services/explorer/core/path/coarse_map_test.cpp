@@ -25,15 +25,18 @@ TEST_P(CoarseMaps, KnowPathLengthsToWithinATenthAndThreeVoxels) {
   const std::vector<VoxelIndex> places = test::ReachedPlaces(map, 8, random, search);
   CoarseMap coarse(map, search);
   const auto distances = coarse.Distances(places);
+  const auto from_each = coarse.DistancesFromEach(places, places);
   PathSearch exact;
   for (std::size_t a = 0; a < places.size(); ++a) {
     exact.Flood(map, {{places[a], 0}});
     const std::vector<double> from_a = coarse.DistancesFrom(places[a], places);
+    EXPECT_EQ(from_each[a], from_a) << "the same on all cores";
     for (std::size_t b = 0; b < places.size(); ++b) {
       // Cells may cut a corner, or lead around one that the voxels cut.
       EXPECT_GE(distances[a][b], 0.8 * exact.Length(places[b]) - 0.3);
       EXPECT_LE(distances[a][b], 1.2 * exact.Length(places[b]) + 0.3);
       EXPECT_NEAR(from_a[b], distances[a][b], 1e-9);
+      EXPECT_LE(coarse.LeastDistance(places[a], places[b]), exact.Length(places[b]) + 1e-9);
     }
     const std::vector<double> near_a = coarse.DistancesFrom(places[a], places, 2.0);
     for (std::size_t b = 0; b < places.size(); ++b) {
