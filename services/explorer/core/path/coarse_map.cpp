@@ -231,13 +231,10 @@ double CoarseMap::LeastDistance(const VoxelIndex& a, const VoxelIndex& b) const 
 
 std::vector<std::vector<double>> CoarseMap::DistancesFromEach(std::span<const VoxelIndex> places,
                                                               std::span<const VoxelIndex> others) const {
-  constexpr std::size_t kWorthAThread = 4;  // [places]
   std::vector<std::vector<double>> distances(places.size());
-  ParallelFor((places.size() + kWorthAThread - 1) / kWorthAThread, 1, [&](std::size_t part) {
+  ParallelFor(places.size(), 1, [&](std::size_t n) {
     FloodState state;
-    const std::size_t begin = part * kWorthAThread;
-    for (std::size_t n = begin; n < std::min(places.size(), begin + kWorthAThread); ++n)
-      distances[n] = DistancesFrom(places[n], others, std::numeric_limits<double>::infinity(), state);
+    distances[n] = DistancesFrom(places[n], others, std::numeric_limits<double>::infinity(), state);
   });
   return distances;
 }

@@ -38,8 +38,8 @@ class CoarseMap {
   std::vector<std::vector<double>> DistancesFromEach(std::span<const VoxelIndex> places,
                                                      std::span<const VoxelIndex> others) const;
 
-  /// [m] No path between two reached voxels is shorter than the straight line, nor than the difference of
-  /// their paths from the robot.
+  /// [m] Apart from how step costs are rounded (0.3 %), no path between two reached voxels is shorter than
+  /// the straight line, nor than the difference of their paths from the robot.
   double LeastDistance(const VoxelIndex& a, const VoxelIndex& b) const;
 
   /// The value of the unknown space behind groups of unknown voxels: the value worth(voxels) of each dark

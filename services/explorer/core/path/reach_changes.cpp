@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kEdgeBits = 3;  // of a block
 constexpr int kEdge = 1 << kEdgeBits;
-constexpr auto kNothing = static_cast<std::uint8_t>(VoxelState::kUnknown);  // known and not reached
+constexpr auto kNothing = static_cast<std::uint8_t>(VoxelState::kUnknown);  // and not reached
 constexpr std::uint8_t kReachedBit = 4;
 
 THALWEG_SIMD_CLONES
@@ -38,6 +38,10 @@ void ReachChanges::Update(const PlanningMap& map, const PathSearch& search) {
   const VoxelBox& box = map.box();
   if (box.count() == 0) return;
   THALWEG_CHECK(search.costs().box() == box);
+  if (!(Intersection(before_.box(), box) == before_.box())) {  // it begins again
+    before_ = DenseGrid<std::uint8_t>(box, kNothing);
+    last_ = DenseGrid<std::uint32_t>(BlocksOf(box), now_);
+  }
   if (!(before_.box() == box)) {
     before_ = MovedTo(before_, box, kNothing);
     last_ = MovedTo(last_, BlocksOf(box), std::uint32_t{0});

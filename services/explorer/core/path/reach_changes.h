@@ -6,14 +6,14 @@
 
 namespace thalweg::explorer {
 
-/// Where a planning map, or what can be reached in it, has changed since when, by blocks of 8 x 8 x 8 voxels:
-/// whatever depends on the surroundings of a voxel alone need not be computed again where these stayed the
-/// same.
+/// When a planning map, or what can be reached in it, last changed in each block of 8 x 8 x 8 voxels. What
+/// depends on the surroundings of a voxel alone need not be computed again while these stay the same.
 /// Threading: one thread.
 class ReachChanges {
  public:
   /// Compares with what was there the time before; everything beyond the map's box is unknown and not
-  /// reached. O(voxels of the map's box), a fraction of what a flood takes.
+  /// reached. Everything counts as changed when part of the box is no longer in it, as after a reset.
+  /// O(voxels of the map's box), a fraction of what a flood takes.
   /// @param search  Flooded on this map.
   void Update(const PlanningMap& map, const PathSearch& search);
 

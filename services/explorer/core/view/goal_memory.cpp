@@ -36,6 +36,7 @@ std::vector<std::vector<VoxelIndex>> GoalMemory::GoalsOf(const std::vector<Clust
     missing[n].entry->places = finder_.PlacesOf(*missing[n].sample, map, search, views);
   });
   entries_ = std::move(entries);
+  searched_ = missing.size();
   std::vector<std::vector<VoxelIndex>> goals;
   goals.reserve(of.size());
   for (const Entry* entry : of) goals.push_back(GoalFinder::NearestFirst(entry->places, search));

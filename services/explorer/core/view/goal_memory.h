@@ -24,6 +24,8 @@ class GoalMemory {
                                                const PathSearch& search, const ViewPlanner& views);
 
   const GoalFinder& finder() const { return finder_; }
+  /// For how many clusters the last call cast rays.
+  std::size_t searched() const { return searched_; }
 
  private:
   struct Entry {
@@ -40,7 +42,8 @@ class GoalMemory {
 
   GoalFinder finder_;
   ReachChanges changes_;
-  Entries entries_;  ///< Of the last call's clusters.
+  Entries entries_;  ///< For the last call's clusters.
+  std::size_t searched_ = 0;
 };
 
 }  // namespace thalweg::explorer

@@ -51,6 +51,14 @@ TEST_F(ReachChangesTest, FindsWhatIsNoLongerReachedThoughItsStateIsTheSame) {
   EXPECT_EQ(LastAt({0, 10, 10}), 1U) << "before it";
 }
 
+TEST_F(ReachChangesTest, EverythingHasChangedInAMapThatBeginsAgain) {
+  map_.Reset();
+  Set({{-5, -5, -5}, {15, 15, 15}}, VoxelState::kFree);
+  Update();
+  EXPECT_EQ(LastAt({0, 0, 0}), 2U);
+  EXPECT_EQ(LastAt({20, 0, 0}), 2U) << "unknown again";
+}
+
 TEST_F(ReachChangesTest, RemembersWhenTheMapGrows) {
   const VoxelBox before = map_.box();
   Set({{45, -5, -5}, {130, 25, 15}}, VoxelState::kFree);
