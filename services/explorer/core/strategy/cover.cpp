@@ -183,10 +183,14 @@ std::vector<CoverStop> Cover::FindStops(const Situation& situation, const std::v
   const PlanningMap& map = situation.map;
   if (rays_.empty()) rays_ = SpreadRays(kLatticeRays, situation.look_range, map.voxel_size());
   std::vector<CoverStop> stops = StopsSeeing(situation, items, rays_);
-  std::vector<CoverStop> always;  // the first goals, and where the robot is
-  for (const Candidate& candidate : situation.candidates)
-    always.push_back({.place = candidate.goals.front()});
-  for (std::size_t n = 0; n < items.size(); ++n) always[items[n].candidate].items.push_back(n);
+  std::vector<CoverStop> always;  // the first goals of what is near, and where the robot is
+  for (std::size_t n = 0; n < items.size(); ++n) {
+    const Candidate& candidate = situation.candidates[items[n].candidate];
+    if (items[n].is_far) continue;
+    if (n == 0 || items[n].candidate != items[n - 1].candidate)
+      always.push_back({.place = candidate.goals.front()});
+    always.back().items.push_back(n);
+  }
   if (situation.time) {
     CoverStop here{.place = map.IndexOf(situation.robot_W), .is_here = true};
     if (situation.search.Reached(here.place)) {
@@ -204,6 +208,7 @@ std::vector<CoverStop> Cover::FindStops(const Situation& situation, const std::v
   }
   KeepFew(situation, items.size(), stops);
   std::ranges::move(always, std::back_inserter(stops));
+  std::ranges::move(ZoneStops(situation, items), std::back_inserter(stops));
   return stops;
 }
 
@@ -215,8 +220,21 @@ Choice Cover::Choose(const Situation& situation) {
   if (!situation.time) {
     if (std::optional<Choice> here = LookFromHere(situation)) return *std::move(here);
   }
+  const std::vector<FormerStop> formers = formers_;
+  Choice choice = ChooseByTour(situation, kFarPath);
+  const bool some_far = std::ranges::any_of(
+      situation.candidates, [](const Candidate& candidate) { return candidate.length > kFarPath; });
+  if (choice.path_W.empty() && some_far) {
+    // An end is not decided on by what zones are thought to cost.
+    formers_ = formers;
+    choice = ChooseByTour(situation, std::numeric_limits<double>::infinity());
+  }
+  return choice;
+}
 
-  const std::vector<CoverItem> items = SampleItems(situation);
+Choice Cover::ChooseByTour(const Situation& situation, double far) {
+  const PlanningMap& map = situation.map;
+  const std::vector<CoverItem> items = SampleItems(situation, far);
   const std::vector<CoverStop> stops = FindStops(situation, items);
   const StopPrices prices(situation, stops);
   CoarseMap coarse(map, situation.search);
@@ -239,7 +257,7 @@ Choice Cover::Choose(const Situation& situation) {
                                                        : std::numeric_limits<double>::infinity());
   }
   problem.sees = [&](std::size_t stop, std::size_t item) {
-    return Shows(situation, stops[stop], items[item].voxel);
+    return stops[stop].is_zone || Shows(situation, stops[stop], items[item].voxel);
   };
   Places places(coarse, stops);
   problem.distances = [&](std::size_t stop) {

@@ -23,7 +23,10 @@ namespace thalweg::explorer {
 ///      unknown voxels do not block the sight: they are likely to be the same pocket.
 ///   3. The tour should be short, and show early what is much: see Flow for the weights. The previous tour is
 ///      the first guess, and is kept unless another is clearly better.
-///   4. Stops, alone or in a row, that cost more path than what they show is worth are left out. When no stop
+///   4. What lies at the end of a path of more than 10 m is planned for by zones (ZoneStops): it is planned
+///   for
+///      again, from nearer, before it matters which position shows it.
+///   5. Stops, alone or in a row, that cost more path than what they show is worth are left out. When no stop
 ///      is worth its path, there is no choice.
 /// Where time counts (Situation::time), the stops are views: a position together with an orientation, the
 /// present position among them in place of 1. Prices are times (StopPrices): a turn that fits into the
@@ -61,6 +64,9 @@ class Cover final : public Strategy {
   bool Shows(const Situation& situation, const CoverStop& stop, const VoxelIndex& unknown) const;
   /// Goes to a stop to look at all that it shows.
   Choice GoTo(const Situation& situation, const CoverStop& stop);
+  /// Goes to the first stop of the tour; without a path when nothing is worth its path.
+  /// @param far  [m] Path from which on clusters are planned for by zones.
+  Choice ChooseByTour(const Situation& situation, double far);
   std::vector<CoverStop> FindStops(const Situation& situation, const std::vector<CoverItem>& items);
 
   Options options_;

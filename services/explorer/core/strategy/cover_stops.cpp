@@ -1,11 +1,15 @@
 #include "services/explorer/core/strategy/cover_stops.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "common/base/bit_table.h"
@@ -17,6 +21,7 @@ namespace {
 constexpr double kSpacing = 0.4;       // [m] Edge of the lattice's cells.
 constexpr double kMostSamples = 4.0;   // Per cluster,
 constexpr double kManyItems = 1500.0;  // fewer where there are more clusters than would fit in here.
+constexpr double kZone = 2.0;          // [m]
 constexpr int kMostSeers = 4;          // Stops kept per item among those that show most,
 constexpr int kNearSeers = 2;          // and among those nearest to the robot.
 
@@ -41,15 +46,38 @@ struct CellOffsets {
   std::vector<std::size_t> z = {};
 };
 
+/// @param zone  Items, those with the shortest path first.
+/// @return      Empty when no view shows any of them.
+std::optional<CoverStop> StopOfZone(const Situation& situation, const std::vector<CoverItem>& items,
+                                    const std::vector<std::size_t>& zone) {
+  for (const std::size_t n : zone) {
+    CoverStop stop{.place = situation.candidates[items[n].candidate].goals.front(), .items = {n}};
+    if (situation.time) {
+      const std::vector<CoverStop> views = ViewsFrom(stop, situation, items);
+      if (views.empty()) continue;
+      stop.R_WB = views.front().R_WB;
+    }
+    stop.items = zone;
+    stop.is_zone = true;
+    return stop;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
-std::vector<CoverItem> SampleItems(const Situation& situation) {
-  const double fit = kManyItems / static_cast<double>(situation.candidates.size());
+std::vector<CoverItem> SampleItems(const Situation& situation, double far) {
+  const auto is_far = [far](const Candidate& candidate) { return candidate.length > far; };
+  const auto near = std::ssize(situation.candidates) - std::ranges::count_if(situation.candidates, is_far);
+  const double fit = kManyItems / static_cast<double>(near);
   const auto most = static_cast<std::size_t>(std::clamp(fit, 1.0, kMostSamples));
   std::vector<CoverItem> items;
   for (std::size_t n = 0; n < situation.candidates.size(); ++n) {
-    const std::vector<VoxelIndex> sample = SpreadSample(situation.candidates[n].cluster.unknowns, most);
-    for (const VoxelIndex& i : sample) items.push_back({i, n, 1.0 / static_cast<double>(sample.size())});
+    const Candidate& candidate = situation.candidates[n];
+    const bool its_far = is_far(candidate);
+    const std::vector<VoxelIndex> sample = SpreadSample(candidate.cluster.unknowns, its_far ? 1 : most);
+    for (const VoxelIndex& i : sample)
+      items.push_back({i, n, 1.0 / static_cast<double>(sample.size()), its_far});
   }
   return items;
 }
@@ -68,6 +96,7 @@ std::vector<CoverStop> StopsSeeing(const Situation& situation, const std::vector
   std::vector<CoverStop> stops;
   std::vector<std::uint16_t> most_crossings;  // for each stop, those of its place
   for (std::size_t item = 0; item < items.size(); ++item) {
+    if (items[item].is_far) continue;
     for (const std::vector<RayStep>& ray : rays) {
       for (const RayStep& step : ray) {
         const VoxelIndex eye = items[item].voxel + step.offset;
@@ -146,6 +175,35 @@ std::vector<CoverStop> ViewsFrom(const CoverStop& stop, const Situation& situati
     ForEachNew(nothing, items_shown, [&](std::size_t n) { view.items.push_back(stop.items[n]); });
   }
   return views;
+}
+
+std::vector<CoverStop> ZoneStops(const Situation& situation, const std::vector<CoverItem>& items) {
+  const auto candidate_of = [&](std::size_t item) -> const Candidate& {
+    return situation.candidates[items[item].candidate];
+  };
+  const auto length = [&](std::size_t item) { return candidate_of(item).length; };
+  std::map<std::array<int, 3>, std::vector<std::size_t>> cells;  // of items
+  for (std::size_t n = 0; n < items.size(); ++n) {
+    if (!items[n].is_far) continue;
+    const Eigen::Vector3d at = situation.map.CenterOf(candidate_of(n).goals.front()) / kZone;
+    const auto number = [](double x) { return static_cast<int>(std::floor(x)); };
+    cells[{number(at.x()), number(at.y()), number(at.z())}].push_back(n);
+  }
+  std::vector<CoverStop> stops;
+  for (auto& [cell, its] : cells) {
+    std::ranges::stable_sort(its, {}, length);
+    // A wall between two of them makes one of the paths longer.
+    for (auto begin = its.begin(); begin != its.end();) {
+      const auto end =
+          std::find_if(begin, its.end(), [&](std::size_t n) { return length(n) > length(*begin) + kZone; });
+      if (std::optional<CoverStop> stop = StopOfZone(situation, items, {begin, end})) {
+        std::ranges::sort(stop->items);
+        stops.push_back(*std::move(stop));
+      }
+      begin = end;
+    }
+  }
+  return stops;
 }
 
 void KeepFew(const Situation& situation, std::size_t items, std::vector<CoverStop>& stops) {

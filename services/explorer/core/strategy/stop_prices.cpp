@@ -10,6 +10,8 @@
 namespace thalweg::explorer {
 namespace {
 
+constexpr double kFromOneToNext = 0.5;  // [m] Between the clusters of a zone.
+
 double AngleOf(double cosine) {
   return std::acos(std::clamp(cosine, -1.0, 1.0));
 }
@@ -35,7 +37,20 @@ StopPrices::Pose StopPrices::PoseAt(std::size_t stop) const {
   return {PositionOf(stops_[stop], situation_), *stops_[stop].R_WB};
 }
 
+double StopPrices::Within(std::size_t stop) const {
+  const CoverStop& its = stops_[stop];
+  return its.is_zone ? kFromOneToNext * static_cast<double>(its.items.size() - 1) : 0.0;
+}
+
 double StopPrices::FromRobot(std::size_t stop) const {
+  return WayFromRobot(stop) + 0.5 * Within(stop);
+}
+
+double StopPrices::Between(std::size_t a, std::size_t b, double length) const {
+  return WayBetween(a, b, length) + 0.5 * (Within(a) + Within(b));
+}
+
+double StopPrices::WayFromRobot(std::size_t stop) const {
   const double length = stops_[stop].is_here ? 0.0 : situation_.search.Length(stops_[stop].place);
   if (!situation_.time) return length;
   const auto& [robot, R_WB] = *situation_.time;
@@ -43,7 +58,7 @@ double StopPrices::FromRobot(std::size_t stop) const {
                    robot);
 }
 
-double StopPrices::Between(std::size_t a, std::size_t b, double length) const {
+double StopPrices::WayBetween(std::size_t a, std::size_t b, double length) const {
   if (!situation_.time) return length;
   const RobotModel& robot = situation_.time->model;
   const double travel = TravelTime(length, robot);

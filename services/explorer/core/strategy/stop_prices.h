@@ -13,7 +13,8 @@ namespace thalweg::explorer {
 /// travels at its usual speed in the time of the way, from rest to rest, or of the turn to the view if that
 /// takes longer, because the robot turns while it travels. Only in narrow passages it faces its way: to a
 /// stop in one it turns to the way and then to the view. A robot that must face where it moves does so
-/// everywhere, and stands while it turns.
+/// everywhere, and stands while it turns. The stop of a zone costs what is flown
+/// there besides, half on arrival and half when leaving.
 /// Keeps references.
 class StopPrices {
  public:
@@ -29,6 +30,9 @@ class StopPrices {
     Eigen::Matrix3d R_WB;
   };
   Pose PoseAt(std::size_t stop) const;
+  double WayFromRobot(std::size_t stop) const;
+  double WayBetween(std::size_t a, std::size_t b, double length) const;
+  double Within(std::size_t stop) const;  ///< [m] What is flown in a zone, so that the stop stands for it.
   double Time(const Pose& from, const Pose& to, double travel, bool faced) const;
 
   const Situation& situation_;

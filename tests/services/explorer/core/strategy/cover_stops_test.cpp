@@ -92,6 +92,38 @@ TEST_F(CoverStops, ViewsShowAllThatAnyViewShowsAndNoneIsIdle) {
   }
 }
 
+TEST_F(CoverStops, FarClustersThatLieTogetherShareOneStop) {
+  PutSpecks({{64, 14, 6}});  // 1.1 m from the first one
+  for (const std::size_t n : {std::size_t{0}, std::size_t{1}, std::size_t{5}}) candidates_[n].length = 20.5;
+  candidates_[5].length = 20.2;
+  for (int n = 0; n < 50; ++n) candidates_[0].cluster.unknowns.push_back({60, 4, 7 + n});
+  RobotModel robot;
+  for (const bool timed : {false, true}) {
+    Situation its = situation();
+    if (timed) its.time.emplace(robot, Eigen::Matrix3d::Identity());
+    const std::vector<CoverItem> items = SampleItems(its);
+    ASSERT_EQ(items.size(), candidates_.size()) << "one of each that is far";
+    for (const CoverStop& stop : StopsSeeing(its, items, rays_)) {
+      for (const std::size_t item : stop.items) EXPECT_FALSE(items[item].is_far);
+    }
+    const std::vector<CoverStop> stops = ZoneStops(its, items);
+    ASSERT_EQ(stops.size(), 2U);
+    std::vector<std::size_t> seen;
+    for (const CoverStop& stop : stops) {
+      EXPECT_TRUE(stop.is_zone);
+      EXPECT_EQ(stop.R_WB.has_value(), timed);
+      seen.insert(seen.end(), stop.items.begin(), stop.items.end());
+      if (stop.items.size() < 2) continue;
+      const Candidate& nearest = candidates_[5];
+      EXPECT_EQ(stop.place, nearest.goals.front());
+      const VoxelIndex& unknown = nearest.cluster.unknowns.front();
+      const Eigen::Vector3d offset_W = map_.CenterOf(unknown) - map_.EyeAt(map_.CenterOf(stop.place));
+      EXPECT_TRUE(!timed || its.views.Shows(*stop.R_WB, {unknown, offset_W}));
+    }
+    EXPECT_THAT(seen, testing::UnorderedElementsAre(0, 1, 5));
+  }
+}
+
 TEST_F(CoverStops, AViewFromWhereTheRobotIsStartsAtTheRobotItself) {
   const CoverStop here{.place = {9, 9, 9}, .is_here = true};
   EXPECT_EQ(PositionOf(here, situation()), map_.CenterOf(kStart));

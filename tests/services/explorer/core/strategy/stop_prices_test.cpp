@@ -72,6 +72,19 @@ TEST_F(StopPricesTest, WhereTimeCountsATurnThatFitsIntoTheTravelCostsNothing) {
   EXPECT_EQ(prices.Between(0, 2, 2.8), prices.Between(2, 0, 2.8));
 }
 
+TEST_F(StopPricesTest, AZoneCostsWhatIsFlownInItBesidesTheWay) {
+  const std::vector<CoverStop> stops = {
+      {.place = {0, 20, 0}, .items = {0}, .R_WB = Heading(0.0)},
+      {.place = {0, 20, 0}, .items = {1}, .R_WB = Heading(0.0), .is_zone = true},
+      {.place = {0, 20, 0}, .items = {2, 3, 4}, .R_WB = Heading(0.0), .is_zone = true}};
+  const Situation its = Timed();
+  const StopPrices prices(its, stops);
+  EXPECT_EQ(prices.FromRobot(1), prices.FromRobot(0)) << "of one cluster";
+  EXPECT_NEAR(prices.FromRobot(2), prices.FromRobot(0) + 0.5, 1e-9) << "half of what leads to two more";
+  EXPECT_NEAR(prices.Between(0, 2, 4.0), prices.Between(0, 1, 4.0) + 0.5, 1e-9);
+  EXPECT_EQ(prices.Between(0, 2, 4.0), prices.Between(2, 0, 4.0));
+}
+
 TEST_F(StopPricesTest, ToANarrowPlaceTheRobotTurnsBeforeAndAfterTheWay) {
   const VoxelIndex narrow{0, 20, 0};
   Narrow(narrow);
