@@ -316,6 +316,10 @@ void ExplorerService::AskForMap() {
 void ExplorerService::Repeat() {
   if (planner_lacks_map_ && inbox_.empty()) HandOverWholeMap();
   inbox_.TryPush([](ExplorationLoop&) {});  // budgets must run out even when no messages arrive
+  PublishOrder();
+}
+
+void ExplorerService::PublishOrder() {
   if (order_) path_out_.Write(ToIdl(dds::StampedPath{order_->id, order_->T_WBs}));
 }
 
@@ -335,8 +339,18 @@ void ExplorerService::RunPlanner(std::stop_token stop) try {
   while (!stop.stop_requested()) {
     const std::deque<PlannerInbox::Event> events = inbox_.Take(stop);
     if (events.empty()) return;
+    const Time heard = bus_.Now();
     for (const PlannerInbox::Event& event : events) event(loop_);
+    const std::size_t plans_before = loop_.explorer().plans();
     const bool changed = loop_.Think(bus_.Now());
+    if (changed) {
+      bus_.Post([this, order = loop_.order()] {
+        order_ = order;
+        PublishOrder();
+      });
+    }
+    if (loop_.explorer().plans() != plans_before && loop_.explorer().planned_in_flight())
+      loop_.NoteDecisionTime(Seconds(bus_.Now() - heard));
     CountBeyondLimit();
     PublishThoughts();
     LogInterruptions();
@@ -354,10 +368,8 @@ void ExplorerService::RunPlanner(std::stop_token stop) try {
           "if the sensor reports where nothing is within its range, as lidars and time-of-flight cameras do, "
           "set depth_sensor.no_return_is_free");
     }
-    bus_.Post([this, order = loop_.order(), status = MakeStatus()] {
-      order_ = order;
+    bus_.Post([this, status = MakeStatus()] {
       status_ = status;
-      Repeat();
       PublishStatus();
     });
   }

@@ -53,6 +53,7 @@ class ExplorerService {
   void Reply(const dds::CommandId& id, const Answer& answer);
   void AskForMap();
   void Repeat();
+  void PublishOrder();
   void PublishStatus();
   void PublishMarkers();
   bool HandOver(MapNews news);

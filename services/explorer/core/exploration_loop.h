@@ -85,6 +85,9 @@ class ExplorationLoop {
   /// Continues what an earlier process saved. Before anything else.
   void Restore(const SavedExploration& saved);
 
+  /// See Explorer::NoteDecisionTime.
+  void NoteDecisionTime(double seconds) { explorer_.NoteDecisionTime(seconds); }
+
   /// Does whatever is due. Returns true when the order or the state has changed.
   bool Think(Time now);
 

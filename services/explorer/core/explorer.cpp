@@ -1,6 +1,7 @@
 #include "services/explorer/core/explorer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "common/base/stage_names.h"
@@ -15,6 +16,11 @@ namespace thalweg::explorer {
 namespace {
 
 constexpr double kSamePosition = 0.05;  // [m]
+// A decision that took long makes those after it expect as much, each a little less.
+constexpr double kFade = 0.9;
+// [s] From odometry to here and from here to the controller, and what one decision takes longer than the
+// last.
+constexpr double kLate = 0.15;
 
 /// The options as the rules and the robot's kind make them. Throws std::invalid_argument naming the invalid
 /// option.
@@ -42,7 +48,8 @@ Explorer::Explorer(const Options& options)
       mission_(MissionOptions(options_)),
       targets_(options_, knowledge_),
       errands_(options_),
-      no_go_(NoGoOptions(options_)) {}
+      no_go_(NoGoOptions(options_)),
+      decision_time_(options_.decision_time) {}
 
 void Explorer::Reset() {
   knowledge_.Reset();
@@ -58,6 +65,10 @@ void Explorer::Update(std::span<const VoxelChange> changes, std::span<const Scan
   updated_ = now;
   knowledge_.Update(changes, scans, now);
   if (std::exchange(map_is_new_, false)) asides_.SetAsideAgain(knowledge_, now);
+}
+
+void Explorer::NoteDecisionTime(double seconds) {
+  decision_time_ = std::max({options_.decision_time, seconds + kLate, kFade * decision_time_});
 }
 
 void Explorer::SaveTo(SavedExploration& saved, Time now) const {
@@ -136,11 +147,40 @@ bool Explorer::TargetIsSeen() const {
 
 std::optional<Task::Departure> Explorer::DepartureOf(const RigidTransform& T_WB, double speed) const {
   if (!minimizes_time() || !(speed > 0.0)) return std::nullopt;
+  const double a = options_.robot.max_acceleration;
+  const double decides = DecidesWithin();
+  const double then = SpeedIn(decides, speed);
+  const double gaining = (then - speed) / a;
+  const double brakes = then / a;
+  return task_.DepartAhead(
+      T_WB, {.length = 0.5 * (speed + then) * gaining + then * (decides - gaining), .time = decides},
+      {.length = 0.5 * then * brakes, .time = 0.5 * brakes}, options_.robot);
+}
+
+double Explorer::DecidesWithin() const {
   // A robot whose motion is smoothed follows its path half of that time late.
-  const double decides = options_.decision_time + 0.5 * options_.robot.smoothing();
-  const double brakes = 0.5 * speed * speed / options_.robot.max_acceleration;
-  return task_.DepartAhead(T_WB, speed * decides + brakes,
-                           decides + 0.5 * speed / options_.robot.max_acceleration, options_.robot);
+  return decision_time_ + 0.5 * options_.robot.smoothing();
+}
+
+double Explorer::SpeedIn(double time, double speed) const {
+  const RobotModel& robot = options_.robot;
+  return std::max(speed, std::min(speed + robot.max_acceleration * time, robot.max_speed));
+}
+
+TaskMaker::Lead Explorer::LeadOf(const Task::Departure& departure, double speed) const {
+  TaskMaker::Lead lead{.path = departure.lead, .hears = departure.hears, .flight = {}};
+  // A robot that faces where it goes may not turn as fast as it could fly.
+  if (lead.hears.pose + 1 == lead.path.T_WBs.size() || options_.robot.faces_travel()) return lead;
+  const double a = options_.robot.max_acceleration;
+  const Eigen::Vector3d p_W = lead.hears.T_WB.translation();
+  const Eigen::Vector3d along_W = lead.path.T_WBs[lead.hears.pose + 1].translation() - p_W;
+  lead.flight =
+      Flight{.p_W = p_W,
+             .v_W = std::min(SpeedIn(DecidesWithin(), speed), std::sqrt(2.0 * a * lead.hears.left)) *
+                    along_W.normalized(),
+             .max_speed = options_.robot.max_speed,
+             .max_acceleration = a};
+  return lead;
 }
 
 bool Explorer::CanReplan(const RigidTransform& T_WB, double speed) const {
@@ -160,7 +200,8 @@ bool Explorer::CanReplan(const RigidTransform& T_WB, double speed) const {
 Plan Explorer::MakePlan(const RigidTransform& T_WB_reported, Time now, double speed) {
   const Stopwatch whole;
   const std::optional<Task::Departure> departure = DepartureOf(knowledge_.InPlane(T_WB_reported), speed);
-  lead_ = departure ? std::optional(departure->lead) : std::nullopt;
+  lead_ = departure ? std::optional(LeadOf(*departure, speed)) : std::nullopt;
+  planned_in_flight_ = departure.has_value();
   const RigidTransform T_WB = BeginPlan(departure ? departure->T_WB : T_WB_reported, now);
   std::optional<Task> task = Duty(T_WB, now);
   if (!task) {
@@ -240,11 +281,12 @@ Plan Explorer::FinishPlan(Task task, double milliseconds) {
   }
   if (lead_ && !task_.plan.ending) {
     // A path begins on the last segment of what leads to it, see TaskMaker::Follow.
-    if (task_.plan.kind == Plan::Kind::kGo || task_.plan.faces_passage_first) {
-      lead_->T_WBs.pop_back();
-      lead_->narrow.pop_back();
-    }
-    task_.Prepend(*lead_, map(), options_.least_clearance());
+    FacedPath& path = lead_->path;
+    const bool on_path = task_.plan.kind == Plan::Kind::kGo || task_.plan.faces_passage_first;
+    const std::size_t before = task_.lead_poses.value_or(path.T_WBs.size() - (on_path ? 1 : 0));
+    path.T_WBs.erase(path.T_WBs.begin() + static_cast<std::ptrdiff_t>(before), path.T_WBs.end());
+    path.narrow.resize(before);
+    task_.Prepend(path, map(), options_.least_clearance());
   }
   lead_.reset();
   task_.plan.homeward = mission_.homeward();
@@ -327,6 +369,7 @@ std::optional<Error> Explorer::DrawNoGo(const Eigen::AlignedBox3d& box_W,
 }
 
 void Explorer::TakeOverFrom(const Explorer& other) {
+  decision_time_ = other.decision_time_;
   no_go_.TakeOverFrom(other.no_go_);
   asides_ = other.asides_;
   mission_ = other.mission_;

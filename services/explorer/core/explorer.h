@@ -70,6 +70,10 @@ class Explorer {
   Plan MakePlan(const RigidTransform& T_WB, Time now, double speed = 0.0);
   /// Whether a robot of that speed [m/s] can be given a new plan while it moves along the present one.
   bool CanReplan(const RigidTransform& T_WB, double speed) const;
+  /// Takes note of how long a decision in flight took from the pose that it began with [s]: later ones begin
+  /// as far ahead as the robot gets meanwhile. Without it they expect Options::decision_time, which is also
+  /// the least.
+  void NoteDecisionTime(double seconds);
   /// Makes a plan to carry out an errand, unless something comes first: a spent budget, the way home, the
   /// path out of a no-go box. Error: as CheckErrand; there is no plan then.
   Result<Plan> MakePlanFor(const Errand& errand, const RigidTransform& T_WB, Time now);
@@ -134,6 +138,8 @@ class Explorer {
     std::map<std::string, TimingStatistics::Summary> timings;
   };
   Status status() const;
+  std::size_t plans() const { return plans_; }                   ///< Made so far.
+  bool planned_in_flight() const { return planned_in_flight_; }  ///< The last one.
   std::vector<FrontierReport> frontier_reports() const;
   /// The strategy's path of the last plan [m], before it was cut short and moved away from walls; empty when
   /// the plan goes nowhere.
@@ -156,6 +162,10 @@ class Explorer {
 
   /// Where a robot can leave the plan being executed; empty if it stands, or there is no such place.
   std::optional<Task::Departure> DepartureOf(const RigidTransform& T_WB, double speed) const;
+  double DecidesWithin() const;                     ///< [s] Until a decision begun now reaches the robot.
+  double SpeedIn(double time, double speed) const;  ///< [m/s] At most, and no less than it is.
+  /// What leads to where a robot of that speed [m/s] leaves the plan being executed.
+  TaskMaker::Lead LeadOf(const Task::Departure& departure, double speed) const;
   /// Begins a plan. @return The pose to plan from.
   RigidTransform BeginPlan(const RigidTransform& T_WB_reported, Time now);
   /// What comes before any choice, if anything does.
@@ -181,10 +191,13 @@ class Explorer {
   RememberedAsides asides_;
   bool map_is_new_ = false;  ///< The next update is a whole map.
   Task task_;
-  std::optional<FacedPath> lead_;   ///< To where the plan being made begins; empty if the robot is there.
+  /// To where the plan being made begins; empty if the robot is there.
+  std::optional<TaskMaker::Lead> lead_;
   std::optional<Task> after_turn_;  ///< The task to resume after the present turn.
+  double decision_time_;            ///< [s] The next decision is expected to take so long.
   bool has_left_start_ = false;     ///< Whether the map has held a goal yet.
   Time updated_{};                  ///< Time of the last map update.
+  bool planned_in_flight_ = false;
   std::size_t plans_ = 0;
   StageTimings timings_;
 };

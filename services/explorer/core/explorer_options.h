@@ -68,7 +68,8 @@ struct ExplorerOptions {
   PathComfort comfort;
   LoopRules loop;
   Minimize minimize = Minimize::kPath;
-  /// [s] Until a decision made on the fly has reached the controller, at the latest.
+  /// [s] Until a decision made on the fly has reached the controller, unless longer ones are known (see
+  /// Explorer::NoteDecisionTime).
   double decision_time = 0.2;
   ConfiguredStrategy strategy = Configure("cover");
   /// Configures a strategy that is chosen while the robot explores. Throws std::invalid_argument for an

@@ -1,6 +1,7 @@
 #include "services/explorer/core/task.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -54,8 +55,8 @@ void Task::Follow(FacedPath path, const PlanningMap& map, double enough) {
   }
 }
 
-std::optional<Task::Departure> Task::DepartAhead(const RigidTransform& T_WB, double ahead, double time,
-                                                 const RobotModel& robot) const {
+std::optional<Task::Departure> Task::DepartAhead(const RigidTransform& T_WB, const Stretch& reacts,
+                                                 const Stretch& brakes, const RobotModel& robot) const {
   constexpr double kBeside = 0.3;  // [m]
   if (plan.T_WBs.size() < 2) return std::nullopt;
   std::size_t n = SegmentNearest(plan.T_WBs, T_WB.translation());
@@ -66,16 +67,18 @@ std::optional<Task::Departure> Task::DepartAhead(const RigidTransform& T_WB, dou
   if ((from_W - T_WB.translation()).norm() > kBeside) return std::nullopt;
   Departure departure{
       .lead = {.T_WBs = {MakeTransform(plan.T_WBs[n].linear(), from_W)}, .narrow = {narrow[n]}},
-      .T_WB = T_WB};
+      .T_WB = T_WB,
+      .hears = {}};
   const auto add = [&](const Eigen::Vector3d& p_W) {
     if ((p_W - departure.lead.T_WBs.back().translation()).norm() < kLeastSegment) return;
     departure.lead.T_WBs.push_back(MakeTransform(plan.T_WBs[n].linear(), p_W));
     departure.lead.narrow.push_back(narrow[n]);
   };
-  // First to `ahead`, then straight on to where the path goes from there.
+  // First to where the robot hears of the next path, then to where it can leave, and from there straight on
+  // to where the path goes.
   Eigen::Vector3d at_W = from_W;
-  for (const double stretch : {ahead, kStraightEnd}) {
-    double left = stretch;
+  for (int stretch = 0; stretch < 3; ++stretch) {
+    double left = std::array{reacts.length, brakes.length, kStraightEnd}[static_cast<std::size_t>(stretch)];
     while (true) {
       const Eigen::Vector3d along_W = plan.T_WBs[n].translation() - at_W;
       if (along_W.norm() >= left) {
@@ -85,13 +88,21 @@ std::optional<Task::Departure> Task::DepartAhead(const RigidTransform& T_WB, dou
       left -= along_W.norm();
       at_W = plan.T_WBs[n].translation();
       if (n + 1 == plan.T_WBs.size()) break;
-      if (stretch == ahead) add(at_W);
+      if (stretch < 2) add(at_W);
       ++n;
     }
     add(at_W);
+    if (stretch > 0) continue;
+    Departure::Hearing& hears = departure.hears;
+    hears.pose = departure.lead.T_WBs.size() - 1;
+    hears.T_WB = TurnedFor(robot, T_WB, departure.lead.T_WBs.back(), reacts.time);
+    hears.T_WB.translation() = departure.lead.T_WBs.back().translation();
+    hears.left = (plan.T_WBs[n].translation() - at_W).norm();
+    for (std::size_t m = n + 1; m < plan.T_WBs.size(); ++m)
+      hears.left += (plan.T_WBs[m].translation() - plan.T_WBs[m - 1].translation()).norm();
   }
   if (departure.lead.T_WBs.size() < 2) return std::nullopt;
-  departure.T_WB = TurnedFor(robot, T_WB, departure.lead.T_WBs.back(), time);
+  departure.T_WB = TurnedFor(robot, T_WB, departure.lead.T_WBs.back(), reacts.time + brakes.time);
   departure.T_WB.translation() = departure.lead.T_WBs.back().translation();
   return departure;
 }

@@ -19,6 +19,8 @@ struct Task {
   std::vector<Facet> facets;       ///< Surface to be inspected.
   Choice choice;                   ///< Without a path when there was nothing to choose.
   bool turn_first = false;         ///< Turn before setting out, see FacedPath.
+  /// Where the path turns off before the end of what leads to it: how many poses of that come before it.
+  std::optional<std::size_t> lead_poses;
 
   /// Sets the target: unknown and doubtful voxels.
   void Aim(std::vector<VoxelIndex> at, const PlanningMap& map);
@@ -31,12 +33,23 @@ struct Task {
   struct Departure {
     FacedPath lead;       ///< The path from the robot to there; the last segment is straight.
     RigidTransform T_WB;  ///< Pose there, with the orientation that it can have turned to.
+    /// Where the robot is when it hears of the next path.
+    struct Hearing {
+      std::size_t pose = 0;  ///< of `lead`
+      RigidTransform T_WB;   ///< With the orientation that it can have turned to.
+      double left = 0.0;     ///< [m] From there to the end of the path.
+    } hears;
   };
-  /// @param ahead  [m] Least distance from the robot at which it can leave the path.
-  /// @param time   [s] Least time until then.
-  /// @return       Empty for a robot beside the path, or when it has no way to go on it.
-  std::optional<Departure> DepartAhead(const RigidTransform& T_WB, double ahead, double time,
-                                       const RobotModel& robot) const;
+  /// What a robot passes on its path.
+  struct Stretch {
+    double length = 0.0;  ///< [m] At least.
+    double time = 0.0;    ///< [s] At least.
+  };
+  /// @param reacts  Until the robot hears of the next path.
+  /// @param brakes  From there to where it can leave this one.
+  /// @return        Empty for a robot beside the path, or when it has no way to go on it.
+  std::optional<Departure> DepartAhead(const RigidTransform& T_WB, const Stretch& reacts,
+                                       const Stretch& brakes, const RobotModel& robot) const;
   /// Inserts what leads to the path from where the robot is.
   void Prepend(const FacedPath& lead, const PlanningMap& map, double enough);
   /// Whether the path ahead of the robot keeps `least` [m] from occupied voxels, or the clearance it had when

@@ -1,5 +1,7 @@
 #include "services/explorer/core/task_maker.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "common/base/stopwatch.h"
@@ -45,33 +47,69 @@ std::optional<Task> TaskMaker::LookAround(const RigidTransform& T_WB, std::size_
   return task;
 }
 
+std::vector<Eigen::Vector3d> TaskMaker::InPlane(std::vector<Eigen::Vector3d> points_W) const {
+  if (const std::optional<double> plane = knowledge_.map().plane()) {
+    for (Eigen::Vector3d& p_W : points_W) p_W.z() = *plane;
+  }
+  return points_W;
+}
+
+std::vector<Eigen::Vector3d> TaskMaker::InCurves(const std::vector<Eigen::Vector3d>& path_W) const {
+  std::vector<Eigen::Vector3d> whole_W;
+  if (lead_ != nullptr) whole_W.emplace_back((lead_->path.T_WBs.end() - 2)->translation());
+  whole_W.insert(whole_W.end(), path_W.begin(), path_W.end());
+  return MakeFlyable(knowledge_.map(), whole_W, options_.clearance() + options_.comfort.distance,
+                     lead_ != nullptr);
+}
+
+std::vector<Eigen::Vector3d> TaskMaker::Swung(const std::vector<Eigen::Vector3d>& path_W) const {
+  if (lead_ == nullptr || !lead_->flight || path_W.size() < 2) return {};
+  const PlanningMap& map = knowledge_.map();
+  const std::vector<Eigen::Vector3d> flat_W = InPlane(path_W);
+  const double comfortable = options_.clearance() + options_.comfort.distance;
+  std::optional<Swing> swing = SwingOnto(map, *lead_->flight, flat_W, comfortable);
+  if (!swing) swing = SwingOnto(map, *lead_->flight, flat_W, options_.clearance());
+  if (!swing) return {};
+  std::vector<Eigen::Vector3d> points_W = swing->arc_W;
+  // The curves begin on the arc's last segment; a robot that flies straight on already has none.
+  const auto straight = points_W.end() - std::min<std::ptrdiff_t>(2, std::ssize(points_W));
+  std::vector<Eigen::Vector3d> rest_W(straight, points_W.end());
+  rest_W.insert(rest_W.end(), swing->rest_W.begin(), swing->rest_W.end());
+  points_W.erase(straight, points_W.end());
+  rest_W = MakeFlyable(map, rest_W, comfortable, true);
+  points_W.insert(points_W.end(), rest_W.begin(), rest_W.end());
+  return points_W;
+}
+
+FacedPath TaskMaker::Faced(Purpose purpose, const std::vector<Eigen::Vector3d>& points_W,
+                           const Eigen::Matrix3d& R_WB, const RigidTransform& T_WB) const {
+  const bool views = purpose == Purpose::kTakeView;  // the orientation is what the path is for
+  if (!options_.loop.face_target && !views) return FaceTravel(points_W, T_WB);
+  if (options_.robot.faces_travel() || !options_.loop.face_target)
+    return FaceTravelThenTurn(points_W, T_WB, R_WB);
+  const bool in_flight = options_.minimize == Minimize::kTime;
+  return FaceNarrowPassages(knowledge_.map(), points_W, T_WB, R_WB, options_.robot,
+                            in_flight ? AngleWellInView(options_.camera, options_.robot) : kOffThePath);
+}
+
 Task TaskMaker::Follow(Purpose purpose, const std::vector<Eigen::Vector3d>& path_W,
                        const Eigen::Matrix3d& R_WB, const RigidTransform& T_WB) const {
   const PlanningMap& map = knowledge_.map();
-  const bool in_flight = options_.minimize == Minimize::kTime;
-  std::vector<Eigen::Vector3d> points_W = path_W;
-  if (in_flight) {
-    std::vector<Eigen::Vector3d> whole_W;
-    if (lead_ != nullptr) whole_W.emplace_back((lead_->T_WBs.end() - 2)->translation());
-    whole_W.insert(whole_W.end(), path_W.begin(), path_W.end());
-    points_W = MakeFlyable(map, whole_W, options_.clearance() + options_.comfort.distance, lead_ != nullptr);
-  }
-  if (map.plane()) {
-    for (Eigen::Vector3d& p_W : points_W) p_W.z() = *map.plane();
-  }
   Task task;
   task.plan.kind = Plan::Kind::kGo;
   task.plan.purpose = purpose;
   task.plan.length = PathLength(path_W);
-  const auto face = [&] {
-    const bool views = purpose == Purpose::kTakeView;  // the orientation is what the path is for
-    if (!options_.loop.face_target && !views) return FaceTravel(points_W, T_WB);
-    if (options_.robot.faces_travel() || !options_.loop.face_target)
-      return FaceTravelThenTurn(points_W, T_WB, R_WB);
-    return FaceNarrowPassages(map, points_W, T_WB, R_WB, options_.robot,
-                              in_flight ? AngleWellInView(options_.camera, options_.robot) : kOffThePath);
-  };
-  task.Follow(face(), map, options_.least_clearance());
+  if (const std::vector<Eigen::Vector3d> swung_W = Swung(path_W); !swung_W.empty()) {
+    FacedPath faced = Faced(purpose, InPlane(swung_W), R_WB, lead_->hears.T_WB);
+    if (!faced.turn_first) {
+      task.lead_poses = lead_->hears.pose + 1;
+      task.Follow(std::move(faced), map, options_.least_clearance());
+      return task;
+    }
+  }
+  const bool in_flight = options_.minimize == Minimize::kTime;
+  const std::vector<Eigen::Vector3d> points_W = InPlane(in_flight ? InCurves(path_W) : path_W);
+  task.Follow(Faced(purpose, points_W, R_WB, T_WB), map, options_.least_clearance());
   return task;
 }
 

@@ -8,6 +8,7 @@
 #include "services/explorer/core/candidate_search.h"
 #include "services/explorer/core/explorer_options.h"
 #include "services/explorer/core/knowledge.h"
+#include "services/explorer/core/path/swing.h"
 #include "services/explorer/core/task.h"
 #include "services/explorer/core/view/inspection.h"
 
@@ -24,8 +25,14 @@ enum class Approach : std::uint8_t {
 /// Keeps references; made for one decision. Threading: one thread.
 class TaskMaker {
  public:
+  /// What leads a robot in flight to where a task begins.
+  struct Lead {
+    FacedPath path;                  ///< See Task::Departure.
+    Task::Departure::Hearing hears;  ///< From there the robot can swing onto the task's path,
+    std::optional<Flight> flight;    ///< flying so at most; empty if it cannot.
+  };
   /// @param lead  The path to where the task begins, if the robot is not there yet; null if it is.
-  TaskMaker(const ExplorerOptions& options, const Knowledge& knowledge, const FacedPath* lead)
+  TaskMaker(const ExplorerOptions& options, const Knowledge& knowledge, const Lead* lead)
       : options_(options), knowledge_(knowledge), lead_(lead) {}
 
   /// Turns on the spot.
@@ -48,11 +55,20 @@ class TaskMaker {
   Task Inspect(const InspectionView& view, const PathSearch& search, const RigidTransform& T_WB) const;
 
  private:
+  /// The points at the height at which a driving robot is, or as they are.
+  std::vector<Eigen::Vector3d> InPlane(std::vector<Eigen::Vector3d> points_W) const;
+  /// The path as a robot in flight takes it: in curves.
+  std::vector<Eigen::Vector3d> InCurves(const std::vector<Eigen::Vector3d>& path_W) const;
+  /// The path from where the robot can swing onto it; empty if it cannot. It keeps the comfort distance where
+  /// some swing does.
+  std::vector<Eigen::Vector3d> Swung(const std::vector<Eigen::Vector3d>& path_W) const;
+  FacedPath Faced(Purpose purpose, const std::vector<Eigen::Vector3d>& points_W, const Eigen::Matrix3d& R_WB,
+                  const RigidTransform& T_WB) const;
   void AimAt(std::vector<VoxelIndex> target, Task& task) const;
 
   const ExplorerOptions& options_;
   const Knowledge& knowledge_;
-  const FacedPath* lead_;
+  const Lead* lead_;
 };
 
 /// A task without a path: the exploration has ended.

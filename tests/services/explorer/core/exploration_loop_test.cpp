@@ -197,6 +197,21 @@ class LoopInFlightTest : public ExplorationLoopTest {
     loop_.OnPose(MakeTransform(kHere.linear(), here_W_));
     Report({.path_id = id(), .speed = RobotModel{}.max_speed, .stamp = {}});
   }
+  /// Expects that its path begins with as much of the one before as it flies in that time.
+  void ExpectGoingOnFor(double seconds, const std::vector<RigidTransform>& before) const {
+    const std::vector<RigidTransform>& after = loop_.order()->T_WBs;
+    const double commits = RobotModel{}.max_speed * seconds;
+    EXPECT_TRUE(after.front().translation().isApprox(here_W_, 1e-9));
+    const Eigen::Vector3d ahead_W = (test::PointAlong(before, 0.2) - here_W_).normalized();
+    const double whole = PathLength(after);
+    ASSERT_GT(whole, commits);
+    const Eigen::Vector3d leaves_W = test::PointAlong(after, commits / whole);
+    EXPECT_TRUE(leaves_W.isApprox(here_W_ + commits * ahead_W, 1e-6));
+    const double more = commits + 0.1;
+    ASSERT_GT(whole, more);
+    const Eigen::Vector3d beyond_W = test::PointAlong(after, more / whole);
+    EXPECT_GT((beyond_W - (here_W_ + more * ahead_W)).norm(), 1e-3) << "and then turns off";
+  }
 
   Eigen::Vector3d here_W_ = kHere.translation();
 };
@@ -213,16 +228,28 @@ TEST_F(LoopInFlightTest, AnObstacleFarAheadChangesThePathAndDoesNotStopTheRobot)
   const std::vector<RigidTransform>& after = loop_.order()->T_WBs;
   ASSERT_GT(after.size(), 2U);
   EXPECT_EQ(loop_.state(), LoopState::kMoving);
-  // It goes on as it did for as long as it takes to decide and to brake.
-  const RobotModel robot;
-  const double commits = robot.max_speed * Explorer::Options{}.decision_time +
-                         0.5 * robot.max_speed * robot.max_speed / robot.max_acceleration;
-  EXPECT_TRUE(after.front().translation().isApprox(here_W_, 1e-9));
-  const Eigen::Vector3d ahead_W = (test::PointAlong(before, 0.2) - here_W_).normalized();
-  const double committed = PathLength(after);
-  ASSERT_GT(committed, commits);
-  const Eigen::Vector3d leaves_W = test::PointAlong(after, commits / committed);
-  EXPECT_TRUE(leaves_W.isApprox(here_W_ + commits * ahead_W, 1e-6));
+  ExpectGoingOnFor(Explorer::Options{}.decision_time, before);
+}
+
+TEST_F(LoopInFlightTest, ADecisionThatIsExpectedToTakeLongLeavesThePathLater) {
+  Begin();
+  FlyTo(0.1);
+  const std::vector<RigidTransform> before = loop_.order()->T_WBs;
+  loop_.NoteDecisionTime(0.35);
+  SendScan(test::ObstacleAt(test::PointAlong(before, 0.8)), now_);
+  EXPECT_TRUE(loop_.Think(now_));
+  ExpectGoingOnFor(0.5, before);
+}
+
+TEST_F(LoopInFlightTest, ADecisionThatTookLongIsForgottenAfterSomeThatDidNot) {
+  Begin();
+  FlyTo(0.1);
+  const std::vector<RigidTransform> before = loop_.order()->T_WBs;
+  loop_.NoteDecisionTime(0.35);
+  for (int n = 0; n < 20; ++n) loop_.NoteDecisionTime(0.01);
+  SendScan(test::ObstacleAt(test::PointAlong(before, 0.8)), now_);
+  EXPECT_TRUE(loop_.Think(now_));
+  ExpectGoingOnFor(Explorer::Options{}.decision_time, before);
 }
 
 TEST_F(LoopInFlightTest, AnObstacleThatIsNearerThanItBrakesStopsIt) {

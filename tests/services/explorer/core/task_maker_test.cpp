@@ -38,14 +38,20 @@ double SharpestCorner(const std::vector<Eigen::Vector3d>& path_W) {
 /// A robot in a room of 6 x 4 x 3 m whose far end is unknown.
 class TaskMakerTest : public testing::Test {
  protected:
-  /// Makes the knowledge anew, from what the options and the map are by now.
-  TaskMaker Maker(const FacedPath* lead = nullptr) {
+  /// Makes the knowledge again, from what the options and the map are by now.
+  TaskMaker Maker(const TaskMaker::Lead* lead = nullptr) {
     knowledge_.emplace(KnowledgeOptions(options_));
     if (options_.robot.drives) T_WB_ = knowledge_->InPlane(T_WB_);
     knowledge_->Update(changes_, {}, kStart);
     return {options_, *knowledge_, lead};
   }
   const PlanningMap& map() const { return knowledge_->map(); }
+  static TaskMaker::Lead LeadTo(const RigidTransform& T_WB) {
+    return {.path = {.T_WBs = {test::At(0.55, 1.05, 1.55), test::At(0.95, 1.05, 1.55), T_WB},
+                     .narrow = {false, false, false}},
+            .hears = {},
+            .flight = {}};
+  }
   /// How many of the voxels lie in sight and in the image of a body's camera.
   std::size_t ShownOf(const std::vector<VoxelIndex>& voxels, const RigidTransform& T_WB) const {
     return static_cast<std::size_t>(std::ranges::count_if(voxels, [&](const VoxelIndex& i) {
@@ -184,11 +190,38 @@ TEST_F(TaskMakerTest, WhereTimeCountsACornerBecomesACurve) {
 
 TEST_F(TaskMakerTest, APathThatIsLedToBeginsOnTheLastSegmentOfItsLead) {
   options_.minimize = Minimize::kTime;
-  const FacedPath lead{.T_WBs = {test::At(0.55, 1.05, 1.55), test::At(0.95, 1.05, 1.55), T_WB_},
-                       .narrow = {false, false, false}};
+  const TaskMaker::Lead lead = LeadTo(T_WB_);
   const Task task = Maker(&lead).Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
   EXPECT_LT((task.plan.T_WBs.front().translation() - Eigen::Vector3d(0.95, 1.05, 1.55)).norm(), 1e-9);
   EXPECT_NEAR(task.plan.length, 3.5, 1e-12) << "without what leads there";
+  EXPECT_FALSE(task.lead_poses);
+}
+
+TEST_F(TaskMakerTest, ARobotInFlightSwingsOntoItsPathWhereThatIsClear) {
+  options_.minimize = Minimize::kTime;
+  TaskMaker::Lead lead = LeadTo(T_WB_);
+  lead.hears = {.pose = 1, .T_WB = lead.path.T_WBs[1], .left = 9.0};
+  lead.flight =
+      Flight{.p_W = {0.95, 1.05, 1.55}, .v_W = {0.5, 0.0, 0.0}, .max_speed = 0.5, .max_acceleration = 1.0};
+  const Task task = Maker(&lead).Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
+  ASSERT_EQ(task.lead_poses, 2U) << "the rest of what leads to the path is not flown";
+  const std::vector<RigidTransform>& T_WBs = task.plan.T_WBs;
+  EXPECT_EQ(T_WBs.front().translation(), lead.flight->p_W);
+  EXPECT_LT((T_WBs.back().translation() - path_W_.back()).norm(), 1e-9);
+  for (const RigidTransform& T_WB : T_WBs) {
+    EXPECT_GE(map().ClearanceAt(T_WB.translation(), PlanningMap::Obstacles::kOccupiedAndUnknown, 1.0),
+              options_.clearance() - 1e-6);
+  }
+  // One that flies there already goes on.
+  lead.flight->p_W = path_W_.front() - Eigen::Vector3d(0.1, 0.0, 0.0);
+  const Task straight = Maker(&lead).Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
+  EXPECT_EQ(straight.plan.T_WBs.front().translation(), lead.flight->p_W);
+  EXPECT_EQ(straight.lead_poses, 2U);
+  EXPECT_LT((straight.plan.T_WBs.back().translation() - path_W_.back()).norm(), 1e-9);
+  lead.flight->p_W = {0.95, 1.05, 1.55};
+  // Where it would turn back, it goes on to where it can stand.
+  lead.flight->v_W = {-0.5, 0.0, 0.0};
+  EXPECT_FALSE(Maker(&lead).Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_).lead_poses);
 }
 
 TEST_F(TaskMakerTest, FacesTheDirectionOfTravelWhereTheRulesSaySo) {

@@ -123,29 +123,40 @@ TEST(Task, WhatWasDoubtfulIsKnownOnceItIsSureAndWhatWasUnknownInAnyCase) {
 
 TEST_F(TaskTest, ARobotLeavesThePathNoSoonerThanItCan) {
   const RigidTransform T_WB = MakeTransform(RotationFromYawPitch(90.0 * kDegree, 0.0), {1.05, 0.57, 0.55});
-  const auto departure = task_.DepartAhead(T_WB, 1.5, 0.5, {.max_turn_rate = 60.0 * kDegree});
+  const auto departure = task_.DepartAhead(T_WB, {0.3, 0.2}, {1.2, 0.3}, {.max_turn_rate = 60.0 * kDegree});
   ASSERT_TRUE(departure);
   const std::vector<RigidTransform>& lead = departure->lead.T_WBs;
-  ASSERT_EQ(lead.size(), 3U);
+  ASSERT_EQ(lead.size(), 4U);
   EXPECT_EQ(departure->lead.narrow.size(), lead.size());
   EXPECT_TRUE(lead[0].translation().isApprox(Eigen::Vector3d(1.05, 0.55, 0.55), 1e-12)) << "on the path";
-  EXPECT_TRUE(lead[1].translation().isApprox(Eigen::Vector3d(2.55, 0.55, 0.55), 1e-12));
-  EXPECT_NEAR((lead[2].translation() - lead[1].translation()).norm(), 0.1, 1e-9);
-  EXPECT_EQ(departure->T_WB.translation(), lead[2].translation());
-  EXPECT_NEAR(AngleBetween(departure->T_WB, lead[2]), 60.0 * kDegree, 1e-6) << "of the 90 it has turned 30";
+  ASSERT_EQ(departure->hears.pose, 1U);
+  EXPECT_EQ(departure->hears.T_WB.translation(), lead[1].translation());
+  EXPECT_NEAR(AngleBetween(departure->hears.T_WB, lead[1]), 78.0 * kDegree, 1e-6)
+      << "of the 90 it has turned 12";
+  EXPECT_TRUE(lead[1].translation().isApprox(Eigen::Vector3d(1.35, 0.55, 0.55), 1e-12))
+      << "hears of the next";
+  EXPECT_NEAR(departure->hears.left, 1.7 + 1.0, 1e-9) << "around the corner to the end";
+  EXPECT_TRUE(lead[2].translation().isApprox(Eigen::Vector3d(2.55, 0.55, 0.55), 1e-12));
+  EXPECT_NEAR((lead[3].translation() - lead[2].translation()).norm(), 0.1, 1e-9);
+  EXPECT_EQ(departure->T_WB.translation(), lead[3].translation());
+  EXPECT_NEAR(AngleBetween(departure->T_WB, lead[3]), 60.0 * kDegree, 1e-6) << "of the 90 it has turned 30";
 }
 
 TEST_F(TaskTest, WhatLeadsAheadFollowsCornersAndEndsWithThePath) {
-  const auto round = task_.DepartAhead(test::At(2.55, 0.55, 0.55), 1.0, 0.5, {.max_turn_rate = 1.0});
+  const auto round =
+      task_.DepartAhead(test::At(2.55, 0.55, 0.55), {0.2, 0.0}, {0.8, 0.5}, {.max_turn_rate = 1.0});
   ASSERT_TRUE(round);
   EXPECT_NEAR(PathLength(round->lead.T_WBs), 1.1, 1e-9);
   EXPECT_TRUE(round->T_WB.translation().isApprox(Eigen::Vector3d(3.05, 0.55, 1.15), 1e-9));
-  const auto end = task_.DepartAhead(test::At(2.55, 0.55, 0.55), 9.0, 0.5, {.max_turn_rate = 1.0});
+  const auto end =
+      task_.DepartAhead(test::At(2.55, 0.55, 0.55), {4.0, 0.0}, {5.0, 0.5}, {.max_turn_rate = 1.0});
   ASSERT_TRUE(end);
   EXPECT_TRUE(end->T_WB.translation().isApprox(Eigen::Vector3d(3.05, 0.55, 1.55), 1e-9));
-  EXPECT_FALSE(task_.DepartAhead(test::At(2.05, 0.95, 0.55), 0.5, 0.5, {.max_turn_rate = 1.0}))
+  EXPECT_EQ(end->hears.pose + 1, end->lead.T_WBs.size()) << "it stands at the end before it hears";
+  EXPECT_NEAR(end->hears.left, 0.0, 1e-9);
+  EXPECT_FALSE(task_.DepartAhead(test::At(2.05, 0.95, 0.55), {0.0, 0.0}, {0.5, 0.5}, {.max_turn_rate = 1.0}))
       << "beside the path";
-  EXPECT_FALSE(task_.DepartAhead(test::At(3.05, 0.55, 1.55), 0.5, 0.5, {.max_turn_rate = 1.0}))
+  EXPECT_FALSE(task_.DepartAhead(test::At(3.05, 0.55, 1.55), {0.0, 0.0}, {0.5, 0.5}, {.max_turn_rate = 1.0}))
       << "at its end";
 }
 
