@@ -62,12 +62,15 @@ class SurfaceKillSweep : public RunWithAKill, public testing::WithParamInterface
     if (!loaded || !loaded->has_value()) return std::nullopt;
     return std::move((*loaded)->volume);
   }
-  /// How many blocks the service went on from, by its log.
-  std::optional<std::size_t> ResumedBlocks() const {
+  std::string Log() const {
     std::ostringstream log;
     log << std::ifstream(Out() / "surface.log").rdbuf();
+    return log.str();
+  }
+  /// How many blocks the service went on from, by its log.
+  std::optional<std::size_t> ResumedBlocks() const {
     std::smatch match;
-    const std::string text = log.str();
+    const std::string text = Log();
     if (!std::regex_search(text, match, std::regex("resuming from .* with ([0-9]+) blocks")))
       return std::nullopt;
     return std::stoul(match[1]);
@@ -100,7 +103,9 @@ TEST_P(SurfaceKillSweep, RunIsCompletedAlthoughItsSurfaceIsKilledAndItGoesOnFrom
   std::size_t lost = 0;
   before->ForEachBlock([&](const VoxelIndex& index, const auto&) { lost += after->Find(index) == nullptr; });
   EXPECT_EQ(lost, 0U) << "of the " << before->block_count() << " blocks from before the kill";
-  EXPECT_GT(std::filesystem::file_size(Out() / surface::SurfaceService::kMeshFile), 100'000U);
+  const std::filesystem::path mesh = Out() / surface::SurfaceService::kMeshFile;
+  ASSERT_TRUE(std::filesystem::exists(mesh)) << Log() << Printed();
+  EXPECT_GT(std::filesystem::file_size(mesh), 100'000U);
 }
 
 INSTANTIATE_TEST_SUITE_P(Few, SurfaceKillSweep, testing::Range(0, 2));
