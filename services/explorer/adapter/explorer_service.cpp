@@ -358,7 +358,7 @@ void ExplorerService::RunPlanner(std::stop_token stop) try {
     std::string activity = ActivityText(loop_, sensor_range_);
     if (!changed && activity == activity_) continue;
     activity_ = std::move(activity);
-    const std::size_t plans = loop_.explorer().status().plans;
+    const std::size_t plans = loop_.explorer().plans();
     if (std::exchange(plans_noted_, plans) != plans) {
       for (const std::string& note : loop_.plan().notes) spdlog::info("{}", note);
     }
@@ -448,7 +448,7 @@ void ExplorerService::LogInterruptions() {
 /// allow.
 void ExplorerService::PublishThoughts() {
   const Explorer& explorer = loop_.explorer();
-  const std::size_t plans = explorer.status().plans;
+  const std::size_t plans = explorer.plans();
   if (plans == std::exchange(plans_published_, plans)) return;
   const Time now = bus_.Now();
   thalweg_msgs::msg::FrontierList list;

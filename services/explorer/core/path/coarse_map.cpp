@@ -214,8 +214,7 @@ std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place, std::span<
       distances.push_back(kInfinity);
       continue;
     }
-    const VoxelIndex d = place - others[n];
-    const double straight = std::sqrt(static_cast<double>(d.x * d.x + d.y * d.y + d.z * d.z)) * voxel_size_;
+    const double straight = Straight(place, others[n]);
     const double over_robot = to_robot + search_.Length(others[n]);
     // Between neighboring cells the coarse cost means nothing.
     const double over_cells = cost > kNeighborsCost ? cost * edge : straight;
@@ -224,9 +223,13 @@ std::vector<double> CoarseMap::DistancesFrom(const VoxelIndex& place, std::span<
   return distances;
 }
 
-double CoarseMap::LeastDistance(const VoxelIndex& a, const VoxelIndex& b) const {
+double CoarseMap::Straight(const VoxelIndex& a, const VoxelIndex& b) const {
   const VoxelIndex d = a - b;
-  return std::max(std::hypot(d.x, d.y, d.z) * voxel_size_, std::abs(search_.Length(a) - search_.Length(b)));
+  return std::sqrt(static_cast<double>(d.x * d.x + d.y * d.y + d.z * d.z)) * voxel_size_;
+}
+
+double CoarseMap::LeastDistance(const VoxelIndex& a, const VoxelIndex& b) const {
+  return std::max(Straight(a, b), std::abs(search_.Length(a) - search_.Length(b)));
 }
 
 std::vector<std::vector<double>> CoarseMap::DistancesFromEach(std::span<const VoxelIndex> places,

@@ -61,6 +61,7 @@ class CoarseMap {
     std::vector<std::uint32_t> touched;               ///< Cells that the last flood reached.
   };
 
+  double Straight(const VoxelIndex& a, const VoxelIndex& b) const;  ///< [m] Between the voxels' centers.
   std::size_t CellOf(const VoxelIndex& voxel) const;
   /// Describes the cells of one layer. @return  How many of its voxels are known.
   std::size_t Describe(int layer, const PlanningMap& map);

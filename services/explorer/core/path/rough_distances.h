@@ -13,7 +13,8 @@ namespace thalweg::explorer {
 /// each the farthest from those before it: by CoarseMap::LeastDistance from those whose floods are made at
 /// the same time, by path from others [Gonzalez: Clustering to minimize the maximum intercluster distance,
 /// Theoretical Computer Science 38, 1985; Goldberg, Harrelson: Computing the shortest path: A* search meets
-/// graph theory, SODA 2005]. Threading: one thread.
+/// graph theory, SODA 2005].
+/// Threading: one thread.
 class RoughDistances {
  public:
   static constexpr double kNear = 3.0;  ///< [m]

@@ -14,8 +14,7 @@ namespace thalweg::explorer {
 /// (v + v') T / 2 from its beginning. The speed on the way is least where the acceleration is across it, at
 /// the tip, where a robot that turns back stands.
 struct Swing {
-  std::vector<Eigen::Vector3d>
-      arc_W;  ///< [m] From where it begins to where the straight flight begins, or one point.
+  std::vector<Eigen::Vector3d> arc_W;   ///< [m] To where the straight flight begins; at least one point.
   std::vector<Eigen::Vector3d> rest_W;  ///< [m] From the straight flight's end to that of the path.
 };
 

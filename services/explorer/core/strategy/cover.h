@@ -23,9 +23,8 @@ namespace thalweg::explorer {
 ///      unknown voxels do not block the sight: they are likely to be the same pocket.
 ///   3. The tour should be short, and show early what is much: see Flow for the weights. The previous tour is
 ///      the first guess, and is kept unless another is clearly better.
-///   4. What lies at the end of a path of more than 10 m is planned for by zones (ZoneStops): it is planned
-///   for
-///      again, from nearer, before it matters which position shows it.
+///   4. What lies at the end of a path of more than 10 m is planned for by zones (ZoneStops), and one by one
+///      when the robot comes near, before it matters which position shows it.
 ///   5. Stops, alone or in a row, that cost more path than what they show is worth are left out. When no stop
 ///      is worth its path, there is no choice.
 /// Where time counts (Situation::time), the stops are views: a position together with an orientation, the

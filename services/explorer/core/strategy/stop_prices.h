@@ -13,8 +13,8 @@ namespace thalweg::explorer {
 /// travels at its usual speed in the time of the way, from rest to rest, or of the turn to the view if that
 /// takes longer, because the robot turns while it travels. Only in narrow passages it faces its way: to a
 /// stop in one it turns to the way and then to the view. A robot that must face where it moves does so
-/// everywhere, and stands while it turns. The stop of a zone costs what is flown
-/// there besides, half on arrival and half when leaving.
+/// everywhere, and stands while it turns. The stop of a zone costs what is flown there besides,
+/// half on arrival and half when leaving.
 /// Keeps references.
 class StopPrices {
  public:

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "common/geometry/polyline.h"
-#include "services/explorer/core/path/path_search.h"
+#include "tests/services/explorer/support/random_paths.h"
 #include "tests/services/explorer/support/random_planning_map.h"
 
 namespace thalweg::explorer {
@@ -75,12 +75,8 @@ TEST_P(FlyablePathOnRandomMaps, KeepsEndsAndClearanceAndIsSeldomSharper) {
   ASSERT_GT(traversable.size(), 50U);
   int curves = 0;
   for (int n = 0; n < 30; ++n) {
-    const auto voxels = PathSearch::FindPath(map, {{traversable[random() % traversable.size()], 0}},
-                                             traversable[random() % traversable.size()]);
-    if (!voxels) continue;
-    Points path_W;
-    for (const VoxelIndex& i : *voxels) path_W.push_back(map.CenterOf(i));
-    path_W = PullStraight(map, path_W, kClearance);
+    const Points path_W = test::RandomPath(random, map, traversable);
+    if (path_W.empty()) continue;
     const Points curve_W = MakeFlyable(map, path_W, kKeep, false);
     EXPECT_EQ(curve_W.front(), path_W.front());
     EXPECT_EQ(curve_W.back(), path_W.back());

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "services/explorer/core/path/path_search.h"
+#include "tests/services/explorer/support/random_paths.h"
 #include "tests/services/explorer/support/random_planning_map.h"
 
 namespace thalweg::explorer {
@@ -143,12 +144,8 @@ TEST_P(PathComfortOnRandomMaps, KeepsEndsAndClearanceAndComesNoNearerThanTheShor
   double worse = 0.0;
   double better = 0.0;
   for (int n = 0; n < 30; ++n) {
-    const auto voxels = PathSearch::FindPath(map, {{traversable[random() % traversable.size()], 0}},
-                                             traversable[random() % traversable.size()]);
-    if (!voxels) continue;
-    std::vector<Eigen::Vector3d> path_W;
-    for (const VoxelIndex& i : *voxels) path_W.push_back(map.CenterOf(i));
-    path_W = PullStraight(map, path_W, 0.1);
+    const std::vector<Eigen::Vector3d> path_W = test::RandomPath(random, map, traversable);
+    if (path_W.empty()) continue;
     const std::vector<Eigen::Vector3d> led_W = MakeComfortable(map, path_W, kComfort);
     EXPECT_EQ(led_W.front(), path_W.front());
     EXPECT_EQ(led_W.back(), path_W.back());

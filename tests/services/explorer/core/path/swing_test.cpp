@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "services/explorer/core/path/path_search.h"
+#include "tests/services/explorer/support/random_paths.h"
 #include "tests/services/explorer/support/random_planning_map.h"
 
 namespace thalweg::explorer {
@@ -105,14 +105,9 @@ TEST_P(SwingOnRandomMaps, KeepsTheClearanceFromItsBeginningToThePath) {
   ASSERT_GT(traversable.size(), 50U);
   int swings = 0;
   for (int n = 0; n < 60; ++n) {
-    const Eigen::Vector3d from_W = map.CenterOf(traversable[random() % traversable.size()]);
-    const auto voxels =
-        PathSearch::FindPath(map, {{map.IndexOf(from_W), 0}}, traversable[random() % traversable.size()]);
-    if (!voxels) continue;
-    Points path_W;
-    for (const VoxelIndex& i : *voxels) path_W.push_back(map.CenterOf(i));
-    path_W = PullStraight(map, path_W, kClearance);
+    const Points path_W = test::RandomPath(random, map, traversable);
     if (path_W.size() < 2) continue;
+    const Eigen::Vector3d& from_W = path_W.front();
     const double angle = test::RandomDouble(random, -3.0, 3.0);
     const double speed = test::RandomDouble(random, 0.1, kSpeed);
     const Eigen::Vector3d v_W(speed * std::cos(angle), speed * std::sin(angle), 0.0);
