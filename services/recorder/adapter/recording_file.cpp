@@ -143,8 +143,11 @@ void RecordingFile::Write(std::size_t channel, std::uint32_t sequence, Time log_
 }
 
 void RecordingFile::FlushIfDue() {
-  if (!unflushed_since_ || std::chrono::steady_clock::now() - *unflushed_since_ < kFlushPeriod) return;
+  if (!unflushed_since_) return;
+  // The first message is flushed at once: within a period, a recording could fill a disk with little room.
+  if (has_flushed_ && std::chrono::steady_clock::now() - *unflushed_since_ < kFlushPeriod) return;
   writer_->Flush();
+  has_flushed_ = true;
   unflushed_since_.reset();
   RequireRoom();
 }

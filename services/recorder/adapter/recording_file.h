@@ -83,6 +83,7 @@ class RecordingFile {
   std::optional<Time> first_log_time_;  ///< In the current file.
   std::uint64_t bytes_ = 0;             ///< Those on disk, of a write that failed as well.
   std::optional<std::chrono::steady_clock::time_point> unflushed_since_;
+  bool has_flushed_ = false;
 };
 
 }  // namespace thalweg::recorder

@@ -233,6 +233,26 @@ TEST_F(RecorderTest, ADiskThatIsNearlyFullEndsTheRecordingWhileThereIsRoomAndThe
   EXPECT_EQ(recorder.status().file_bytes, reader->size()) << "its end is counted, too";
 }
 
+TEST_F(RecorderTest, ADiskThatIsNearlyFullAtTheBeginningEndsTheRecordingAtItsFirstMessage) {
+  RecorderOptions options = Options();
+  options.recording.available = [](const std::filesystem::path&) { return 0; };
+  dds::Bus sender(BusOptionsForTest("sender"));
+  dds::Bus receiver(BusOptionsForTest("recorder"));
+  const auto poses = sender.AdvertiseBytes(dds::InfoOf<topics::Odometry>());
+  Recorder recorder(options, receiver);
+  ASSERT_TRUE(sender.SpinUntil([&] { return poses.readers() > 0; }, kPatience));
+  ASSERT_TRUE(receiver.SpinUntil([&] { return receiver.Writers<topics::Odometry>() > 0; }, kPatience));
+  const auto bytes = dds::Encode<topics::Odometry>(nav_msgs::msg::Odometry());
+  poses.Write(bytes);
+  ASSERT_TRUE(receiver.SpinUntil([&] { return recorder.status().failure.has_value(); }, kPatience));
+  EXPECT_EQ(recorder.status().messages, 1U);
+  recorder.Finish();
+  const MappedFile file(folder_ / "a.mcap");
+  const auto reader = McapReader::Open(file.bytes());
+  ASSERT_TRUE(reader);
+  EXPECT_TRUE(reader->Check().empty());
+}
+
 TEST_F(RecorderTest, AFullDiskEndsTheRecordingWithItsReasonAndWhatIsThereCanBeRead) {
   RecorderOptions options = Options();
   options.recording.compression = Compression::kNone;
