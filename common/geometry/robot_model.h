@@ -22,6 +22,7 @@ enum class Attitude {
 enum class Drive {
   kOmni,          ///< In any direction, whatever its heading, as on mecanum wheels.
   kDifferential,  ///< Only where it faces, or straight back; it turns on the spot.
+  kAckermann,     ///< The same, but it turns only as it moves, as a car; B's origin is on its rear axle.
 };
 
 /// The robot that the simulator moves, the explorer plans for and the controller steers.
@@ -32,6 +33,7 @@ struct RobotModel {
   /// Drives in the plane it starts in, and is level, whatever its attitude says; else it flies.
   bool drives = false;
   Drive drive = Drive::kOmni;          ///< Matters only if it drives.
+  double min_turning_radius = 0.0;     ///< [m] On which B of kAckermann can move; else 0.
   double max_speed = 0.5;              ///< [m/s]
   double max_acceleration = 1.0;       ///< [m/s^2] Along its path and across it, together.
   double max_jerk = 0.0;               ///< [m/s^3] Greatest change of the acceleration; 0 = any.
@@ -60,8 +62,9 @@ struct RobotModel {
   /// [s] Over which a motion within max_acceleration must be averaged to have no more than max_jerk: the
   /// acceleration may turn about at once.
   double smoothing() const { return max_jerk > 0.0 ? 2.0 * max_acceleration / max_jerk : 0.0; }
-  /// Whether it moves only where it faces.
-  bool faces_travel() const { return drives && drive == Drive::kDifferential; }
+  /// Whether it moves only where it faces, or straight back.
+  bool faces_travel() const { return drives && drive != Drive::kOmni; }
+  bool turns_on_the_spot() const { return !drives || drive != Drive::kAckermann; }
 };
 
 /// The part of the bounds that a robot starting at `start_W` explores: all of it, or for a robot that drives,

@@ -223,12 +223,17 @@ void CheckSources(const Scenario& scenario, std::vector<Mistake>& mistakes) {
   }
 }
 
+std::string DriveName(const Scenario& scenario) {
+  return Robot::Drive_Name(scenario.robot().drive());
+}
+
 void CheckRobot(const Scenario& scenario, std::vector<Mistake>& mistakes) {
   const RobotModel robot = RobotFrom(scenario);
   if (!robot.drives && robot.drive != Drive::kOmni) {
     const FieldPath drives = PathOf("robot", "drives");
-    mistakes.push_back(
-        {PathOf("robot", "drive"), "is DIFFERENTIAL, which needs " + ToString(drives) + ": true", drives});
+    mistakes.push_back({PathOf("robot", "drive"),
+                        "is " + DriveName(scenario) + ", which needs " + ToString(drives) + ": true",
+                        drives});
   }
   if (!robot.drives || robot.height > 0.0) return;
   const FieldPath height = PathOf("robot", "height_m");
@@ -237,6 +242,28 @@ void CheckRobot(const Scenario& scenario, std::vector<Mistake>& mistakes) {
        "is true, which needs " + ToString(height) +
            " > 0: a driving robot is an upright cylinder and explores the heights that it sweeps",
        height});
+}
+
+/// Checks that a robot that turns only in curves knows how tight they may be, and is not to turn otherwise.
+void CheckSteering(const Scenario& scenario, std::vector<Mistake>& mistakes) {
+  const RobotModel robot = RobotFrom(scenario);
+  const bool steers = robot.drive == Drive::kAckermann;
+  const FieldPath drive = PathOf("robot", "drive");
+  const FieldPath radius = PathOf("robot", "min_turning_radius_m");
+  if (steers && robot.min_turning_radius <= 0.0)
+    mistakes.push_back({drive, "is ACKERMANN, which needs " + ToString(radius) + " > 0", radius});
+  if (!steers && robot.min_turning_radius > 0.0) {
+    mistakes.push_back({radius,
+                        "is " + NumberText(robot.min_turning_radius) + ", must be 0 for a robot whose " +
+                            ToString(drive) + " is " + DriveName(scenario) + ": it turns on the spot",
+                        drive});
+  }
+  if (steers && scenario.controller().type() == Controller::STOP_AND_TURN) {
+    mistakes.push_back({PathOf("controller", "type"),
+                        "is STOP_AND_TURN, but a robot whose " + ToString(drive) +
+                            " is ACKERMANN cannot turn on the spot",
+                        drive});
+  }
 }
 
 void CheckGimbal(const Scenario& scenario, std::vector<Mistake>& mistakes) {
@@ -267,7 +294,8 @@ void CheckJerk(const Scenario& scenario, std::vector<Mistake>& mistakes) {
     const FieldPath drive = PathOf("robot", "drive");
     mistakes.push_back({PathOf("robot", "max_jerk_mps3"),
                         "is " + NumberText(robot.max_jerk) + ", must be 0 for a robot whose " +
-                            ToString(drive) + " is DIFFERENTIAL: smoothed, it would slide sideways",
+                            ToString(drive) + " is " + DriveName(scenario) +
+                            ": smoothed, it would slide sideways",
                         drive});
     return;
   }
@@ -355,6 +383,7 @@ std::vector<Agreement> Agreements() {
           {CheckSources, {}},
           {CheckNames, {}},
           {CheckRobot, {PathOf("robot", "height_m")}},
+          {CheckSteering, {PathOf("robot", "min_turning_radius_m")}},
           {CheckGimbal, {PathOf("robot", "gimbal_min_pitch_deg"), PathOf("robot", "gimbal_max_pitch_deg")}},
           {CheckJerk, {PathOf("robot", "max_jerk_mps3"), PathOf("robot", "max_acceleration_mps2")}},
           {CheckVoxels,

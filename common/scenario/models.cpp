@@ -12,7 +12,11 @@ void Visit(OptionVisitor& visitor, RobotModel& robot) {
   visitor.Choice("attitude", robot.attitude,
                  {{"FREE", Attitude::kFree}, {"LEVEL", Attitude::kLevel}, {"GIMBAL", Attitude::kGimbal}});
   visitor.Switch("drives", robot.drives);
-  visitor.Choice("drive", robot.drive, {{"OMNI", Drive::kOmni}, {"DIFFERENTIAL", Drive::kDifferential}});
+  visitor.Choice("drive", robot.drive,
+                 {{"OMNI", Drive::kOmni},
+                  {"DIFFERENTIAL", Drive::kDifferential},
+                  {"ACKERMANN", Drive::kAckermann}});
+  visitor.Number("min_turning_radius_m", robot.min_turning_radius);
   visitor.Number("max_speed_mps", robot.max_speed);
   visitor.Number("max_acceleration_mps2", robot.max_acceleration);
   visitor.Number("max_jerk_mps3", robot.max_jerk);

@@ -52,6 +52,12 @@ void Orientation::TurnTo(const Eigen::Quaterniond& wanted, double most, double d
   TurnGimbal(rates, dt);
 }
 
+void Orientation::TurnWith(const Eigen::Quaterniond& wanted, double dt) {
+  const Eigen::AngleAxisd turn(q_WB_.conjugate() * wanted);
+  Place(wanted);
+  rate_B_ = turn.angle() / dt * turn.axis();
+}
+
 void Orientation::Brake(double harder, double dt) {
   const double change = harder * limits_.acceleration * dt;
   if (!has_gimbal()) return Turn(rate_B_ - ClampNorm(rate_B_, change), dt);

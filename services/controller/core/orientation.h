@@ -23,6 +23,8 @@ class Orientation {
   void Place(const Eigen::Quaterniond& q_WB);
   /// Turns on for `dt` [s] > 0. @param most  [rad/s] Not faster than this, if that is possible.
   void TurnTo(const Eigen::Quaterniond& wanted, double most, double dt);
+  /// Turns to `wanted` within `dt` [s] > 0, at whatever rate that takes.
+  void TurnWith(const Eigen::Quaterniond& wanted, double dt);
   /// Turns on while braking. @param harder  Factor of the acceleration.
   void Brake(double harder, double dt);
   void Stop() { rate_B_.setZero(), rates_.setZero(); }

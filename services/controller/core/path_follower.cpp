@@ -54,6 +54,8 @@ PathFollower::PathFollower(const Options& options)
           "> 0");
   Require(std::isfinite(options.robot.max_jerk) && options.robot.max_jerk >= 0.0, "max_jerk",
           options.robot.max_jerk, ">= 0");
+  Require(options.robot.turns_on_the_spot() || positive(options.robot.min_turning_radius),
+          "min_turning_radius", options.robot.min_turning_radius, "> 0");
   Require(positive(options.robot.max_turn_rate), "max_turn_rate", options.robot.max_turn_rate, "> 0");
   Require(positive(options.robot.max_turn_acceleration), "max_turn_acceleration",
           options.robot.max_turn_acceleration, "> 0");
@@ -214,7 +216,7 @@ void PathFollower::Advance(StopReason emergency, double dt) {
 StopReason PathFollower::TryJoin() {
   const bool robot_elsewhere = Lead() > options_.position_tolerance || AngleLead() > options_.angle_tolerance;
   if (!has_command_ || (standing() && robot_elsewhere)) StandAtRobot();
-  auto joined = JoinPath(p_W_, path().T_WBs, options_.path_tolerance);
+  auto joined = Joined();
   if (!joined) return speed_ > 0.0 ? StopReason::kNone : StopReason::kOffPath;
   if (options_.robot.gimballed()) {
     for (RigidTransform& T_WB : *joined) T_WB = Held(options_.robot, T_WB);
@@ -234,8 +236,26 @@ StopReason PathFollower::TryJoin() {
   joined_ = true;
   waiting_since_.reset();
   recheck_ = true;
+  if (!options_.robot.turns_on_the_spot()) BeginAt(*track_);
   CheckTrack();
   return Obstacle();
+}
+
+/// Goes on from the beginning of a track that does not begin where the command is.
+void PathFollower::BeginAt(const Track& track) {
+  if ((track.PositionAt(0.0) - p_W_).norm() > options_.position_tolerance)
+    retreat_ = Retreat(options_.retreat);  // what was noted does not lead there
+  Place(track.PositionAt(0.0));
+  orientation_.Place(track.OrientationAt(0.0));
+}
+
+/// What is left of path() from the command on; with what leads there, unless the robot steers onto it. Empty
+/// if that is too far away.
+std::optional<std::vector<RigidTransform>> PathFollower::Joined() const {
+  if (options_.robot.turns_on_the_spot()) return JoinPath(p_W_, path().T_WBs, options_.path_tolerance);
+  auto rest = RestOfPath(p_W_, path().T_WBs, options_.path_tolerance);
+  const bool faces_along = rest && AngleBetween(pose_->T_WB, rest->front()) <= kAstray;
+  return faces_along ? rest : std::nullopt;
 }
 
 void PathFollower::CheckTrack() {
@@ -260,6 +280,7 @@ void PathFollower::BrakeHard(double dt) {
   if (!has_command_) return;
   const double f = options_.emergency_factor;
   Travel(std::max(0.0, speed_ - f * options_.robot.max_acceleration * dt), dt);
+  if (!options_.robot.turns_on_the_spot()) return Turn(dt);
   if (dt > 0.0) orientation_.Brake(f, dt);
 }
 
@@ -306,18 +327,21 @@ double PathFollower::Room() const {
 }
 
 Eigen::Quaterniond PathFollower::WantedOrientation() const {
+  if (!options_.robot.turns_on_the_spot()) return track_->OrientationAt(s_);
   if (!options_.robot.faces_travel() || s_ >= track_->length()) return track_->OrientationAhead(s_);
   const Eigen::Vector3d ahead_W = track_->FacingAt(s_);
   return Eigen::Quaterniond(RotationFromYawPitch(std::atan2(ahead_W.y(), ahead_W.x()), 0.0));
 }
 
 bool PathFollower::MustTurnFirst() const {
-  if (!options_.robot.faces_travel() || s_ >= track_->length()) return false;
+  if (!options_.robot.faces_travel() || !options_.robot.turns_on_the_spot() || s_ >= track_->length())
+    return false;
   return orientation_.q_WB().angularDistance(WantedOrientation()) > (speed_ == 0.0 ? kAligned : kAstray);
 }
 
 void PathFollower::Turn(double dt) {
   if (!track_ || dt <= 0.0) return;
+  if (!options_.robot.turns_on_the_spot()) return orientation_.TurnWith(WantedOrientation(), dt);
   orientation_.TurnTo(WantedOrientation(),
                       BrakingSpeed(max_angle_lead_ - AngleLead(), options_.robot.max_turn_acceleration), dt);
 }
@@ -381,6 +405,10 @@ bool PathFollower::CommandAtEnd() const {
 }
 
 bool PathFollower::RobotAtEnd() const {
+  if (!options_.robot.turns_on_the_spot()) {
+    const Eigen::Vector3d left_B = pose_->T_WB.inverse() * track_->end();
+    return std::abs(left_B.x()) <= options_.position_tolerance && left_B.norm() <= options_.path_tolerance;
+  }
   return (track_->end() - pose_->T_WB.translation()).norm() <= options_.position_tolerance &&
          track_->end_orientation().angularDistance(Eigen::Quaterniond(pose_->T_WB.linear())) <=
              options_.angle_tolerance;
@@ -462,16 +490,21 @@ Eigen::Vector3d PathFollower::Limited(const Eigen::Vector3d& w_B) const {
 }
 
 void PathFollower::Steer(const Eigen::Vector3d& behind_B, double turned_away, MotionCommand& command) const {
-  double forward = speed_ * std::cos(turned_away);
+  const bool steers = !options_.robot.turns_on_the_spot();
+  const double along = steers && track_ && track_->LeadsBackAt(s_) ? -speed_ : speed_;
+  double forward = along * std::cos(turned_away);
   double turn = orientation_.rate_B().z();
   if (state_ == MotionState::kFollowing) {
     const double gain = options_.feedback;
     const double speed = std::max(speed_, kSlowestSteering);
     forward += gain * behind_B.x();
-    turn += 2.0 * gain * turned_away + gain * gain * behind_B.y() * speed_ / (speed * speed);
+    turn += 2.0 * gain * turned_away + gain * gain * behind_B.y() * along / (speed * speed);
   }
-  command.v_WB_B.x() = std::clamp(forward, -options_.robot.max_speed, options_.robot.max_speed);
-  command.w_WB_B.z() = std::clamp(turn, -options_.robot.max_turn_rate, options_.robot.max_turn_rate);
+  const RobotModel& robot = options_.robot;
+  command.v_WB_B.x() = std::clamp(forward, -robot.max_speed, robot.max_speed);
+  double fastest = robot.max_turn_rate;
+  if (steers) fastest = std::min(fastest, std::abs(command.v_WB_B.x()) / robot.min_turning_radius);
+  command.w_WB_B.z() = std::clamp(turn, -fastest, fastest);
 }
 
 double PathFollower::Lead() const {

@@ -27,7 +27,9 @@ namespace thalweg::controller {
 /// path. A robot that must face where it moves is turned along the path instead, on the spot at sharp
 /// corners, and takes the last vertex's orientation when it has arrived. Its velocity command has no sideways
 /// part: it steers back to the pose command [Kanayama et al., A stable tracking control method for an
-/// autonomous mobile robot, ICRA 1990], critically damped.
+/// autonomous mobile robot, ICRA 1990], critically damped. One that cannot turn on the spot drives back along
+/// segments whose poses look back, turns no tighter than it can, and joins a path only where it faces along
+/// it. It has arrived where neither forward nor back brings it nearer, since it cannot do better.
 ///
 /// Safety: when path or pose messages stop arriving, the command brakes so that it stands still at most
 /// `silence` after the last message. The command is never farther ahead of the robot than the robot's braking
@@ -110,6 +112,8 @@ class PathFollower final : public MotionController {
   void Turn(double dt);
   Eigen::Quaterniond WantedOrientation() const;
   bool MustTurnFirst() const;
+  std::optional<std::vector<RigidTransform>> Joined() const;
+  void BeginAt(const Track& track);
   void Travel(double next_speed, double dt);
   void StandAtRobot();
   void Place(const Eigen::Vector3d& p_W);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "common/geometry/polyline.h"
@@ -18,7 +19,10 @@ bool LosesPose(StopReason reason) {
 
 }  // namespace
 
-StopAndTurn::StopAndTurn(const PathFollower::Options& options) : follower_(options) {}
+StopAndTurn::StopAndTurn(const PathFollower::Options& options) : follower_(options) {
+  if (!options.robot.turns_on_the_spot())
+    throw std::invalid_argument("drive: a robot that cannot turn on the spot cannot stop and turn");
+}
 
 void StopAndTurn::SetPath(Time id, std::vector<RigidTransform> T_WBs, Time now) {
   const bool is_known = path_ && path_->id == id && path_->T_WBs.empty() == T_WBs.empty();

@@ -105,8 +105,7 @@ std::size_t Track::SegmentAt(double s) const {
 Eigen::Vector3d Track::PositionAt(double s) const {
   if (points_.size() < 2) return points_.front();
   const std::size_t i = SegmentAt(s);
-  const double share = std::clamp((s - arc_[i]) / (arc_[i + 1] - arc_[i]), 0.0, 1.0);
-  return points_[i] + share * (points_[i + 1] - points_[i]);
+  return points_[i] + ShareOf(i, s) * (points_[i + 1] - points_[i]);
 }
 
 Eigen::Vector3d Track::DirectionAt(double s) const {
@@ -116,6 +115,20 @@ Eigen::Vector3d Track::DirectionAt(double s) const {
 
 Eigen::Vector3d Track::SegmentDirection(std::size_t i) const {
   return (points_[i + 1] - points_[i]).normalized();
+}
+
+double Track::ShareOf(std::size_t segment, double s) const {
+  return std::clamp((s - arc_[segment]) / (arc_[segment + 1] - arc_[segment]), 0.0, 1.0);
+}
+
+Eigen::Quaterniond Track::OrientationAt(double s) const {
+  if (points_.size() < 2) return orientations_.front();
+  const std::size_t i = SegmentAt(s);
+  return orientations_[i].slerp(ShareOf(i, s), orientations_[i + 1]).normalized();
+}
+
+bool Track::LeadsBackAt(double s) const {
+  return DirectionAt(s).dot(OrientationAt(s) * Eigen::Vector3d::UnitX()) < 0.0;
 }
 
 double Track::TurningDistance(std::size_t vertex) const {
@@ -292,6 +305,20 @@ std::optional<std::vector<RigidTransform>> JoinPath(const Eigen::Vector3d& p_W,
   const std::size_t next = std::min(entry.segment + 1, path.size() - 1);
   const Eigen::Matrix3d R_WB = path[next].linear();
   std::vector<RigidTransform> rest{MakeTransform(R_WB, p_W), MakeTransform(R_WB, entry.point)};
+  rest.insert(rest.end(), path.begin() + static_cast<std::ptrdiff_t>(next), path.end());
+  return rest;
+}
+
+std::optional<std::vector<RigidTransform>> RestOfPath(const Eigen::Vector3d& p_W,
+                                                      const std::vector<RigidTransform>& path,
+                                                      double tolerance) {
+  THALWEG_CHECK(!path.empty());
+  const Foot foot = FindFoot(p_W, path);
+  if (foot.offset > tolerance) return std::nullopt;
+  const std::size_t next = std::min(foot.segment + 1, path.size() - 1);
+  const RigidTransform& from = path[foot.segment];
+  const double share = NearestShare(from.translation(), path[next].translation(), foot.point);
+  std::vector<RigidTransform> rest{Interpolate(from, path[next], share)};
   rest.insert(rest.end(), path.begin() + static_cast<std::ptrdiff_t>(next), path.end());
   return rest;
 }

@@ -50,6 +50,10 @@ class Track {
   /// The direction that a robot faces which must face where it moves: that of the segment, and near a corner
   /// at which it does not stop, between those of both. Unit length; zero when the track is a single point.
   Eigen::Vector3d FacingAt(double s) const;
+  /// R_WB between those of the vertices before and after.
+  Eigen::Quaterniond OrientationAt(double s) const;
+  /// Whether the orientations there look away from where the track leads.
+  bool LeadsBackAt(double s) const;
   /// R_WB at the next vertex; beyond the last vertex, that of the last.
   const Eigen::Quaterniond& OrientationAhead(double s) const;
 
@@ -77,6 +81,7 @@ class Track {
 
  private:
   std::size_t SegmentAt(double s) const;  ///< Index of the segment's first vertex.
+  double ShareOf(std::size_t segment, double s) const;
   Eigen::Vector3d SegmentDirection(std::size_t i) const;
   double TurningDistance(std::size_t vertex) const;
   double LateralAt(std::size_t vertex, double speed) const;
@@ -99,5 +104,11 @@ class Track {
 std::optional<std::vector<RigidTransform>> JoinPath(const Eigen::Vector3d& p_W,
                                                     const std::vector<RigidTransform>& path,
                                                     double tolerance);
+
+/// The same without a connection: from the path's nearest point on, for a robot that steers onto it.
+/// @return  One pose or more.
+std::optional<std::vector<RigidTransform>> RestOfPath(const Eigen::Vector3d& p_W,
+                                                      const std::vector<RigidTransform>& path,
+                                                      double tolerance);
 
 }  // namespace thalweg::controller

@@ -61,6 +61,7 @@ Json JsonOf(const MotionFigures& motion) {
           {"most_acceleration_mps2", motion.most_acceleration},
           {"most_jerk_mps3", motion.most_jerk},
           {"most_sideways_speed_mps", motion.most_sideways_speed},
+          {"sharpest_curve_per_m", motion.sharpest_curve},
           {"most_turn_rate_radps", motion.most_turn_rate},
           {"most_turn_acceleration_radps2", motion.most_turn_acceleration}};
 }
@@ -75,6 +76,7 @@ MotionFigures MotionFrom(const nlohmann::json& json) {
           .most_acceleration = json.at("most_acceleration_mps2"),
           .most_jerk = json.value("most_jerk_mps3", 0.0),  // older ones do not have it
           .most_sideways_speed = json.at("most_sideways_speed_mps"),
+          .sharpest_curve = json.value("sharpest_curve_per_m", 0.0),  // likewise
           .most_turn_rate = json.at("most_turn_rate_radps"),
           .most_turn_acceleration = json.at("most_turn_acceleration_radps2")};
 }

@@ -152,12 +152,29 @@ class Run {
   /// Moves one time step toward a pose.
   Reached StepTowards(const RigidTransform& goal) {
     const double step = options_.time_step;
-    const RigidTransform before = T_WB_;
+    if (!options_.robot.turns_on_the_spot()) return SteerTowards(goal);
     const Eigen::Vector3d offset_W = goal.translation() - T_WB_.translation();
     const bool turns_first = options_.robot.faces_travel() && AngleBetween(T_WB_, goal) > 1e-6;
     const double travel = turns_first ? 0.0 : std::min(offset_W.norm(), options_.robot.max_speed * step);
-    if (offset_W.norm() > 0.0) T_WB_.translation() += offset_W.normalized() * travel;
-    T_WB_ = TurnedFor(options_.robot, T_WB_, goal, step);
+    RigidTransform next = T_WB_;
+    if (offset_W.norm() > 0.0) next.translation() += offset_W.normalized() * travel;
+    return Place(TurnedFor(options_.robot, next, goal, step), travel, goal);
+  }
+
+  /// The same along the chord of a curve, which takes as long as the way or the turn. Only an estimate that
+  /// has jumped makes such a robot turn without a way.
+  Reached SteerTowards(const RigidTransform& goal) {
+    const RobotModel& robot = options_.robot;
+    const double way = (goal.translation() - T_WB_.translation()).norm();
+    const double turn = AngleBetween(T_WB_, goal);
+    const double takes = std::max(way / robot.max_speed, turn / robot.max_turn_rate);
+    const double share = takes > options_.time_step ? options_.time_step / takes : 1.0;
+    return Place(Interpolate(T_WB_, goal, share), share * way, goal);
+  }
+
+  /// Ends a time step in which the robot went to a pose, by its own estimate. @param travel  [m]
+  Reached Place(const RigidTransform& T_WB, double travel, const RigidTransform& goal) {
+    const RigidTransform before = std::exchange(T_WB_, T_WB);
     if (own_pose_) {
       T_WB_true_ = T_WB_true_ * (before.inverse() * T_WB_);
       // An error in the estimated height or tilt neither lifts wheels off the ground nor tilts a level body.
@@ -169,7 +186,7 @@ class Run {
     } else {
       T_WB_true_ = T_WB_;
     }
-    now_ += FromSeconds(step);
+    now_ += FromSeconds(options_.time_step);
     Moved(travel);
     const Reached reached{(goal.translation() - T_WB_.translation()).norm() < 1e-9,
                           AngleBetween(T_WB_, goal) <= 1e-6};

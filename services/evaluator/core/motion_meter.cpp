@@ -33,6 +33,7 @@ void MotionMeter::Move(const RigidTransform& T_WB, double dt) {
   figures_.most_speed = std::max(figures_.most_speed, v_W.norm());
   figures_.most_sideways_speed =
       std::max(figures_.most_sideways_speed, std::abs(v_W.dot(before.linear().col(1))));
+  if (moves) figures_.sharpest_curve = std::max(figures_.sharpest_curve, w_W.norm() / v_W.norm());
   figures_.most_turn_rate = std::max(figures_.most_turn_rate, w_W.norm());
   if (time_ - then.time < kWindow - 1e-9) return;
   const double span = time_ - then.time;

@@ -19,6 +19,7 @@ struct MotionFigures {
   double most_acceleration = 0.0;       ///< [m/s^2] Over MotionMeter::kWindow, in any direction.
   double most_jerk = 0.0;               ///< [m/s^3] The change of that acceleration, over kWindow again.
   double most_sideways_speed = 0.0;     ///< [m/s] Across the direction that the body faces, horizontally.
+  double sharpest_curve = 0.0;          ///< [1/m] Turn per way of a body that moves; one may turn freely.
   double most_turn_rate = 0.0;          ///< [rad/s]
   double most_turn_acceleration = 0.0;  ///< [rad/s^2] Likewise.
 };

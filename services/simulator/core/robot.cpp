@@ -14,6 +14,8 @@ constexpr double kFarAway = 10.0;         // [m] greater clearances are not comp
 constexpr double kClearanceError = 1e-6;  // [m] Embree's single precision at 10 m
 // Sideways per forward motion: a polyline differs from the curve that it stands for by less.
 constexpr double kSteering = 0.3;
+constexpr double kSteerBack = 2.0;      // [rad/m] Per offset to the side.
+constexpr double kMostSteerBack = 0.5;  // [rad]
 
 }  // namespace
 
@@ -33,7 +35,9 @@ void SimulatedRobot::Step(double dt) {
   const RigidTransform before = T_WB_;
   const double active = std::clamp(kCommandLifespan - command_age_, 0.0, dt);
   command_age_ += dt;
-  if (command_ && active > 0.0) {
+  if (command_ && active > 0.0 && !model_.turns_on_the_spot()) {
+    Steer(active);
+  } else if (command_ && active > 0.0) {
     T_WB_ = TurnedFor(model_, T_WB_, *command_, active);
     const Eigen::Vector3d& to_W = command_->translation();
     Move(model_.faces_travel() ? WithoutSliding(to_W) : to_W, model_.max_speed * active);
@@ -42,6 +46,19 @@ void SimulatedRobot::Step(double dt) {
   v_WB_B_ = T_WB_.linear().transpose() * (T_WB_.translation() - before.translation()) / dt;
   const Eigen::AngleAxisd turn(before.linear().transpose() * T_WB_.linear());
   w_WB_B_ = turn.axis() * turn.angle() / dt;
+}
+
+/// Drives toward the command, and turns by no more than the way allows.
+void SimulatedRobot::Steer(double time) {
+  const Eigen::Vector3d offset_B = T_WB_.inverse() * command_->translation();
+  const Eigen::Vector3d before_W = T_WB_.translation();
+  Move(T_WB_ * Eigen::Vector3d(offset_B.x(), 0.0, 0.0), model_.max_speed * time);
+  const double driven = (T_WB_.translation() - before_W).norm();
+  const double aside = std::clamp(kSteerBack * offset_B.y(), -kMostSteerBack, kMostSteerBack);
+  const Eigen::Matrix3d wanted =
+      command_->linear() * RotationFromYawPitch(std::copysign(aside, aside * offset_B.x()), 0.0);
+  T_WB_ = TurnedTowards(T_WB_, MakeTransform(wanted, T_WB_.translation()),
+                        std::min(driven / model_.min_turning_radius, model_.max_turn_rate * time));
 }
 
 /// The point nearest to the target that the robot comes to without turning.

@@ -12,7 +12,10 @@ namespace thalweg::simulator {
 /// The true robot. It moves straight toward the commanded pose within its speed limits. A robot that drives
 /// stays level in the plane in which it starts: it uses only the horizontal position and the heading of a
 /// command. One with a differential drive does not slide: it moves sideways at most by the share of its
-/// forward motion by which a polyline differs from a curve.
+/// forward motion by which a polyline differs from a curve. One that cannot turn on the spot drives forward
+/// or back as far as the command lies ahead, and turns toward the command's heading, and by its offset to the
+/// side, no tighter than it can [Hoffmann et al., Autonomous Automobile Trajectory Tracking for Off-Road
+/// Driving, ACC 2007].
 ///
 /// It never passes through a surface: it advances in steps no longer than its clearance [conservative
 /// advancement, Mirtich 1996] and stops where it touches one, until a command leads away from it. A command
@@ -41,6 +44,7 @@ class SimulatedRobot {
 
  private:
   void Move(const Eigen::Vector3d& target_W, double reach);
+  void Steer(double time);
   Eigen::Vector3d WithoutSliding(const Eigen::Vector3d& target_W) const;
   double ClearanceAt(const Eigen::Vector3d& p_W) const;
   void NoteClearance(double clearance);

@@ -389,6 +389,24 @@ TEST_F(LoadScenarioTest, ARobotThatDrivesHasAHeight) {
   EXPECT_EQ(ErrorOf("robot { height_m: 0.4 }"), "") << "one that flies may be a cylinder, too";
 }
 
+TEST_F(LoadScenarioTest, ARobotThatTurnsOnlyInCurvesNeedsTheirRadiusAndAFittingController) {
+  EXPECT_EQ(ErrorOf("robot { drives: true height_m: 0.4 drive: ACKERMANN min_turning_radius_m: 0.5 }"), "");
+  EXPECT_EQ(ErrorOf("robot { drives: true height_m: 0.4\n drive: ACKERMANN }"),
+            At(2, 2) + "robot.drive: is ACKERMANN, which needs robot.min_turning_radius_m > 0");
+  EXPECT_EQ(
+      ErrorOf("robot { drives: true height_m: 0.4\n min_turning_radius_m: 0.5 }"),
+      At(2, 2) +
+          "robot.min_turning_radius_m: is 0.5, must be 0 for a robot whose robot.drive is OMNI: it turns "
+          "on the spot");
+  EXPECT_THAT(ErrorOf("robot { drive: ACKERMANN min_turning_radius_m: 0.5 }"),
+              HasSubstr("robot.drive: is ACKERMANN, which needs robot.drives: true"));
+  EXPECT_THAT(
+      ErrorOf("robot { drives: true height_m: 0.4 drive: ACKERMANN min_turning_radius_m: 0.5 }\n"
+              "controller { type: STOP_AND_TURN }"),
+      HasSubstr("controller.type: is STOP_AND_TURN, but a robot whose robot.drive is ACKERMANN cannot "
+                "turn on the spot"));
+}
+
 TEST_F(LoadScenarioTest, AGimbalHasLimitsInOrderAndCarriesTheBodysFrame) {
   EXPECT_EQ(ErrorOf("robot { attitude: GIMBAL gimbal_min_pitch_deg: -60 gimbal_max_pitch_deg: 20 }"), "");
   EXPECT_EQ(ErrorOf("robot { attitude: GIMBAL\n gimbal_min_pitch_deg: 40 }"),

@@ -300,7 +300,116 @@ TEST(AFacingFollower, VelocityCommandsSteerARobotBackToThePathCriticallyDamped) 
   });
 }
 
+/// Turns only in curves, the tightest of 0.5 m.
+PathFollower::Options InCurves() {
+  PathFollower::Options options;
+  options.robot.drives = true;
+  options.robot.drive = Drive::kAckermann;
+  options.robot.min_turning_radius = 0.5;
+  return options;
+}
+
+/// Arcs of 0.6 m: forward to the left by 90 degrees, back to the right of where it then faces by 60 more, and
+/// forward to the left again by 30.
+std::vector<RigidTransform> ThreePointTurn() {
+  std::vector<RigidTransform> path{At(0, 0)};
+  double yaw = 0.0;
+  const auto drive = [&](double along, double turn) {
+    constexpr int kPieces = 20;
+    for (int n = 0; n < kPieces; ++n) {
+      const double chord = 2.0 * 0.6 * std::sin(0.5 * turn / kPieces) * along;
+      const double mean = yaw + 0.5 * turn / kPieces;
+      const Eigen::Vector3d p_W =
+          path.back().translation() + chord * Eigen::Vector3d(std::cos(mean), std::sin(mean), 0.0);
+      yaw += turn / kPieces;
+      path.push_back(At(p_W.x(), p_W.y(), 0, yaw));
+    }
+  };
+  drive(1.0, 0.5 * std::numbers::pi);
+  drive(-1.0, std::numbers::pi / 3.0);
+  drive(1.0, std::numbers::pi / 6.0);
+  return path;
+}
+
+TEST(AFollowerInCurves, DrivesForwardAndBackAndTurnsNoTighterThanItCan) {
+  Ride ride(At(0, 0), InCurves());
+  const std::vector<RigidTransform> path = ThreePointTurn();
+  ride.Follow(path);
+  RigidTransform before = ride.robot();
+  double back = 0.0;
+  ride.Until([&](const Motion& motion) {
+    const RigidTransform& now = motion.command->T_WB;
+    const Eigen::Vector3d step_B = before.linear().transpose() * (now.translation() - before.translation());
+    EXPECT_LE(AngleBetween(before, now), step_B.norm() / 0.5 + 1e-9) << "not on the spot either";
+    EXPECT_LE(std::abs(step_B.y()), 0.1 * std::abs(step_B.x()) + 1e-9);
+    EXPECT_EQ(motion.command->v_WB_B.y(), 0.0);
+    EXPECT_LE(std::abs(motion.command->w_WB_B.z()), std::abs(motion.command->v_WB_B.x()) / 0.5 + 1e-9);
+    back -= std::min(0.0, step_B.x());
+    before = now;
+    return motion.state == MotionState::kDone;
+  });
+  EXPECT_NEAR((ride.robot().translation() - path.back().translation()).norm(), 0.0, 1e-6);
+  EXPECT_NEAR(AngleBetween(ride.robot(), At(0, 0, 0, std::numbers::pi)), 0.0, 1e-5);
+  EXPECT_NEAR(back, 0.6 * std::numbers::pi / 3.0, 0.01);
+}
+
+TEST(AFollowerInCurves, SteersARobotThatObeysOnlyVelocitiesAlongThePath) {
+  Ride ride(At(0, 0), InCurves());
+  ride.stuck = true;  // moves by the velocity commands below, in place of taking the pose
+  const std::vector<RigidTransform> path = ThreePointTurn();
+  const Track track(path, {});
+  ride.Follow(path);
+  ride.robot() = At(0, 0.03, 0, 0.05);
+  double farthest = 0.0;
+  ride.Until([&](const Motion& motion) {
+    if (!motion.command) return false;
+    ride.robot().translation() += ride.robot().linear() * motion.command->v_WB_B * kTick;
+    ride.robot().linear() =
+        ride.robot().linear() *
+        Eigen::AngleAxisd(motion.command->w_WB_B.z() * kTick, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    farthest = std::max(farthest, track.NearestTo(ride.robot().translation(), 0.0, track.length()).distance);
+    return motion.state == MotionState::kDone;
+  });
+  EXPECT_LT(farthest, 0.08);
+  EXPECT_LT((ride.robot().translation() - path.back().translation()).norm(), 0.08);
+}
+
+TEST(AFollowerInCurves, DoesNotJoinAPathAcrossWhichItStands) {
+  Ride ride(At(0, 0, 0, 1.0), InCurves());
+  ride.Follow({At(0, 0), At(2, 0)});
+  const Motion motion = ride.Until([](const Motion& m) { return m.state == MotionState::kStopped; });
+  EXPECT_EQ(motion.reason, StopReason::kOffPath);
+  EXPECT_NEAR(AngleBetween(ride.robot(), At(0, 0, 0, 1.0)), 0.0, 1e-9);
+}
+
+TEST(AFollowerInCurves, JoinsAPathThatItFacesAlongByAndLarge) {
+  Ride ride(At(0, 0.02, 0, 0.2), InCurves());
+  ride.stuck = true;
+  ride.Follow({At(0, 0), At(2, 0)});
+  for (int n = 0; n < 10; ++n) EXPECT_EQ(ride.Tick().reason, StopReason::kNone) << n;
+  EXPECT_GT(ride.Tick().command->v_WB_B.x(), 0.0);
+}
+
+TEST(AFollowerInCurves, GoesBackTheWayItCameWhenItIsCutOff) {
+  PathFollower::Options options = InCurves();
+  options.cut_off = {.action = OnCutOff::kRetreat, .after = 1.0, .step = 0.3};
+  Ride ride(At(0, 0), options);
+  ride.Follow(ThreePointTurn());
+  ride.Until([](const Motion& motion) { return motion.distance_done > 1.2; });
+  ride.path_silent = true;
+  RigidTransform before = ride.robot();
+  ride.Until([&](const Motion& motion) {
+    const double way = (motion.command->T_WB.translation() - before.translation()).norm();
+    EXPECT_LE(AngleBetween(before, motion.command->T_WB), way / 0.5 + 0.01);
+    before = motion.command->T_WB;
+    return motion.back == BackPlace::kFartherBack;
+  });
+}
+
 TEST(PathFollower, RefusesOptionsThatMakeNoSense) {
+  PathFollower::Options without_radius = InCurves();
+  without_radius.robot.min_turning_radius = 0.0;
+  EXPECT_THROW(PathFollower{without_radius}, std::invalid_argument);
   EXPECT_THROW(PathFollower({.robot = {.max_speed = 0.0}, .retreat = {}}), std::invalid_argument);
   EXPECT_THROW(PathFollower({.robot = {.max_turn_rate = std::nan("")}, .retreat = {}}),
                std::invalid_argument);

@@ -313,6 +313,9 @@ TEST(StopAndTurn, RefusesWhatThePathFollowerRefuses) {
   PathFollower::Options options;
   options.silence = 0.0;
   EXPECT_THROW(MakeController(ControllerType::kStopAndTurn, options), std::invalid_argument);
+  options = {};
+  options.robot = {.drives = true, .drive = Drive::kAckermann, .min_turning_radius = 0.5};
+  EXPECT_THROW(MakeController(ControllerType::kStopAndTurn, options), std::invalid_argument);
 }
 
 }  // namespace

@@ -33,6 +33,7 @@ TEST(MotionMeter, SplitsTimeIntoMovingTurningAndStanding) {
   EXPECT_EQ(figures.stops, 2U);
   EXPECT_NEAR(figures.most_speed, 0.5, 1e-9);
   EXPECT_NEAR(figures.most_turn_rate, 1.0, 1e-6);
+  EXPECT_NEAR(figures.sharpest_curve, 2.0, 1e-5);
 }
 
 TEST(MotionMeter, FindsTheAccelerationsOfRamps) {

@@ -112,6 +112,41 @@ TEST(SimulatedRobot, OneWithADifferentialDriveDoesNotSlide) {
   EXPECT_TRUE(robot.T_WB().translation().isApprox(Eigen::Vector3d(0, 0.5, 0), 1e-6)) << "and back";
 }
 
+TEST(SimulatedRobot, OneThatCannotTurnOnTheSpotFollowsAMovingCommandInCurves) {
+  const World world = Sheet();
+  RobotModel model;
+  model.drives = true;
+  model.height = 0.2;
+  model.drive = Drive::kAckermann;
+  model.min_turning_radius = 0.5;
+  SimulatedRobot robot(world, model, At(0));
+  Drive(robot, MakeTransform(RotationFromYawPitch(1.0, 0.0), {0, 0, 0}), 2.0);
+  EXPECT_NEAR(AngleBetween(robot.T_WB(), At(0)), 0.0, 1e-12) << "it has no way to turn on";
+  // An arc of 0.6 m to the left from 2 cm beside the robot, then back along the same.
+  constexpr double kRadius = 0.6;
+  const auto on_arc = [&](double angle) {
+    return MakeTransform(RotationFromYawPitch(angle, 0.0),
+                         {kRadius * std::sin(angle), 0.02 + kRadius * (1.0 - std::cos(angle)), 0.0});
+  };
+  const auto drive_on = [&](double from, double to) {
+    const int ticks = static_cast<int>(std::abs(to - from) * kRadius / (0.3 * kTick));
+    for (int n = 1; n <= ticks; ++n) {
+      const RigidTransform before = robot.T_WB();
+      robot.Command(on_arc(from + (to - from) * n / ticks));
+      robot.Step(kTick);
+      const Eigen::Vector3d step_B =
+          before.linear().transpose() * (robot.T_WB().translation() - before.translation());
+      ASSERT_NEAR(step_B.y(), 0.0, 1e-9) << "it does not slide";
+      ASSERT_LE(AngleBetween(before, robot.T_WB()), step_B.norm() / model.min_turning_radius + 1e-9);
+    }
+  };
+  drive_on(0.0, 2.0);
+  EXPECT_LT((robot.T_WB().translation() - on_arc(2.0).translation()).norm(), 0.02);
+  EXPECT_LT(AngleBetween(robot.T_WB(), on_arc(2.0)), 0.05);
+  drive_on(2.0, 0.0);
+  EXPECT_LT((robot.T_WB().translation() - on_arc(0.0).translation()).norm(), 0.02) << "and back";
+}
+
 TEST(SimulatedRobot, ALevelOneThatFliesRisesAndTurnsToTheHeadingOfTheCommand) {
   const World world = Sheet();
   const RobotModel model{.attitude = Attitude::kLevel};
