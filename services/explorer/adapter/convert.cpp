@@ -18,6 +18,8 @@ thalweg_msgs::msg::AsideReason ToIdl(AsideReason reason) {
       return thalweg_msgs::msg::ASIDE_IGNORED;
     case AsideReason::kTooSmall:
       return thalweg_msgs::msg::ASIDE_TOO_SMALL;
+    case AsideReason::kNoRoom:
+      return thalweg_msgs::msg::ASIDE_NO_ROOM;
     case AsideReason::kNone:
       break;
   }

@@ -52,6 +52,11 @@ class CandidateSearch {
   void PriceTurns(Price&& price) {
     for (Candidate& candidate : candidates_) candidate.turn = price(candidate);
   }
+  /// Drops the candidates for which that holds. @param is_dropped  bool(const Candidate&). @return How many.
+  template <class IsDropped>
+  std::size_t Drop(IsDropped&& is_dropped) {
+    return std::erase_if(candidates_, is_dropped);
+  }
   /// Drops the candidates that a budget does not allow to visit. @return The budget that dropped one, if any.
   std::optional<Budget> DropTooFar(const PlanningMap& map, const Mission& mission, Time now);
 

@@ -21,7 +21,7 @@ Result<Task> ErrandPlanner::MakeTask(const Errand& errand, const RigidTransform&
   const Result<ErrandPath> found = FindErrandPath(errand, T_WB, knowledge, goal_finder_, options_);
   if (!found) return Error{found.error()};
   const Purpose purpose = errand.kind == Errand::Kind::kGoTo ? Purpose::kGoTo : Purpose::kLookAt;
-  Task task;
+  std::optional<Task> task;
   if (found->path_W.size() == 1) {
     task = make.Turn(purpose, found->R_WB, T_WB);
   } else {
@@ -30,10 +30,12 @@ Result<Task> ErrandPlanner::MakeTask(const Errand& errand, const RigidTransform&
       const std::string spent = *budget == Budget::kTime ? "time" : "distance";
       return Error{"the rest of the " + spent + " budget does not allow it"};
     }
-    task = make.Follow(purpose, path_W, found->R_WB, T_WB);
+    task =
+        make.Follow(purpose, path_W, found->R_WB, T_WB, errand.yaw_W ? Heading::kGiven : Heading::kByPurpose);
   }
-  task.plan.target_W = errand.p_W;
-  return task;
+  if (!task) return Error{"there is no room to turn: the robot turns only in curves"};
+  task->plan.target_W = errand.p_W;
+  return *std::move(task);
 }
 
 }  // namespace thalweg::explorer

@@ -156,8 +156,8 @@ class ExplorationLoop {
   Explorer::Options options_;
   Explorer explorer_;
   std::optional<RigidTransform> T_WB_;
-  std::optional<ViewNews> view_;         ///< The newest.
-  double speed_ = 0.0;                   ///< [m/s] Last reported.
+  std::optional<ViewNews> view_;  ///< The newest.
+  double speed_ = 0.0;            ///< [m/s] Last reported.
   bool has_map_ = false;
   bool has_scan_ = false;  ///< The map contains a scan, or is known to.
   ScanPace pace_;

@@ -146,7 +146,7 @@ bool Explorer::TargetIsSeen() const {
 }
 
 std::optional<Task::Departure> Explorer::DepartureOf(const RigidTransform& T_WB, double speed) const {
-  if (!minimizes_time() || !(speed > 0.0)) return std::nullopt;
+  if (!minimizes_time() || !(speed > 0.0) || !options_.robot.turns_on_the_spot()) return std::nullopt;
   const double a = options_.robot.max_acceleration;
   const double decides = DecidesWithin();
   const double then = SpeedIn(decides, speed);
@@ -259,7 +259,9 @@ Task Explorer::Explore(const RigidTransform& T_WB, Time now) {
   // A robot that has not seen its surroundings may find nothing reachable.
   const bool left_to_strategy = targets_.strategy().goes_by_views() ||
                                 (has_left_start_ && minimizes_time() && targets_.strategy().weighs_looks());
-  if (options_.loop.look_around && !left_to_strategy && !lead_) {
+  // One that turns only in curves goes by the way, like to anything else.
+  const bool turns = options_.robot.turns_on_the_spot();
+  if (options_.loop.look_around && turns && !left_to_strategy && !lead_) {
     const std::size_t enough =
         has_left_start_ ? VoxelsOfArea(options_.look_around_min_area, map().voxel_size()) : 1;
     if (std::optional<Task> look = maker().LookAround(T_WB, enough)) return *std::move(look);
@@ -307,7 +309,8 @@ std::optional<Task> Explorer::ResumeAfterTurn(const RigidTransform& T_WB) {
 
 Task Explorer::LookForSpace(const RigidTransform& T_WB) {
   const std::optional<Eigen::Matrix3d> R_WB = blind_look_.Next(T_WB.linear(), options_.robot);
-  return R_WB ? maker().Turn(Purpose::kFindFreeSpace, *R_WB, T_WB) : Ended(Outcome::kNoFreeSpace);
+  std::optional<Task> turn = R_WB ? maker().Turn(Purpose::kFindFreeSpace, *R_WB, T_WB) : std::nullopt;
+  return turn ? *std::move(turn) : Ended(Outcome::kNoFreeSpace);
 }
 
 Task Explorer::GoHome(const RigidTransform& T_WB) const {
@@ -315,18 +318,20 @@ Task Explorer::GoHome(const RigidTransform& T_WB) const {
   if (std::optional<Ending> ending = mission_.EndingAtHome(p_W)) return Ended(*std::move(ending));
   const std::vector<Eigen::Vector3d> path_W = mission_.home_paths().PathFrom(map(), p_W);
   if (path_W.empty()) return Ended(Outcome::kNoPathHome);
-  Task task = maker().Follow(Purpose::kGoHome, maker().Smoothed(path_W), T_WB.linear(), T_WB);
-  task.plan.target_W = *mission_.home_paths().home_W();
-  return task;
+  std::optional<Task> task = maker().Follow(Purpose::kGoHome, maker().Smoothed(path_W), T_WB.linear(), T_WB);
+  if (!task) return Ended(Outcome::kNoPathHome);
+  task->plan.target_W = *mission_.home_paths().home_W();
+  return *std::move(task);
 }
 
 Task Explorer::LeaveNoGo(const RigidTransform& T_WB) {
   const std::vector<Eigen::Vector3d> path_W = PathOutOfNoGo(T_WB.translation(), no_go_, mission_, knowledge_);
   if (path_W.empty()) return Ended(Outcome::kNothingReachable);
-  Task task = maker().Follow(Purpose::kLeaveNoGo, PullStraight(map(), path_W, options_.clearance()),
-                             T_WB.linear(), T_WB);
-  task.plan.target_W = path_W.back();
-  return task;
+  std::optional<Task> task = maker().Follow(
+      Purpose::kLeaveNoGo, PullStraight(map(), path_W, options_.clearance()), T_WB.linear(), T_WB);
+  if (!task) return Ended(Outcome::kNothingReachable);
+  task->plan.target_W = path_W.back();
+  return *std::move(task);
 }
 
 void Explorer::Abandon() {

@@ -40,7 +40,9 @@ namespace thalweg::explorer {
 ///      in vain. A robot that is shut in first tries to get out.
 ///
 /// A robot that knows no free space around it turns on the spot until it sees some. A driving robot explores
-/// the band of heights that its body sweeps (PlanningMap) and turns about the vertical axis only.
+/// the band of heights that its body sweeps (PlanningMap) and turns about the vertical axis only. One that
+/// turns only in curves does not look around, keeps to curves in place of rule 4, sets aside what it has no
+/// room to turn to, and ends where it knows no free space.
 /// Threading: one thread owns an explorer. It knows only the times passed to it, no clock.
 class Explorer {
  public:

@@ -29,6 +29,8 @@ void Check(const ExplorerOptions& options) {
     throw std::invalid_argument("max_missed_share must be 0 to 1");
   if (options.robot.drives && !(options.robot.height > 0.0))
     throw std::invalid_argument("a robot that drives needs a height");
+  if (!options.robot.turns_on_the_spot() && !(options.robot.min_turning_radius > 0.0))
+    throw std::invalid_argument("a robot that turns only in curves needs their radius");
 }
 
 Knowledge::Options KnowledgeOptions(const ExplorerOptions& options) {

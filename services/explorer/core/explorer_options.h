@@ -22,7 +22,8 @@ namespace thalweg::explorer {
 
 /// What an exploration is to take little of.
 enum class Minimize {
-  /// Every decision is made standing, and a turn in place costs nothing.
+  /// Every decision is made standing, and a turn in place costs nothing. That of a robot that turns only in
+  /// curves costs as much as these.
   kPath,
   /// Decisions are made in flight, from where the robot can leave its path, and turns count as the path that
   /// they cost.

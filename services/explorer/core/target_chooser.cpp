@@ -1,5 +1,6 @@
 #include "services/explorer/core/target_chooser.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -19,6 +20,7 @@ namespace {
 constexpr double kMostLeft = 0.01;
 /// [m] What bars a path lies within this distance beside the body.
 constexpr double kBesideABar = 0.5;
+constexpr double kElsewhere = 0.1;  // [m] So far away, there may be room to turn where there was none.
 constexpr Duration kBetweenLooks = std::chrono::seconds(1);  // at a way that is shut
 
 void CheckRobot(const RobotModel& robot, const ConfiguredStrategy& strategy) {
@@ -61,6 +63,7 @@ TargetChooser::TargetChooser(const ExplorerOptions& options, Knowledge& knowledg
 void TargetChooser::Reset(Knowledge& knowledge) {
   inspection_.Follow(*strategy_, knowledge);
   shut_ways_.Clear();
+  tried_again_W_.reset();
 }
 
 std::optional<Error> TargetChooser::UseStrategy(std::string_view name, Knowledge& knowledge) try {
@@ -91,15 +94,17 @@ void TargetChooser::Use(ConfiguredStrategy strategy, Knowledge& knowledge) {
 
 Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker& make,
                            const Mission& mission, Knowledge& knowledge, StageTimings& timings) {
-  const Eigen::Vector3d p_W = T_WB.translation();
-  knowledge.Occupy(p_W);
-  Moment moment{T_WB, now, make, mission, knowledge, timings};
-  moment.finds_itself = TakeOwnCandidates(p_W, knowledge);
+  knowledge.Occupy(T_WB.translation());
+  return ChooseAt({T_WB, now, make, mission, knowledge, timings});
+}
+
+Task TargetChooser::ChooseAt(Moment moment) {
+  moment.finds_itself = TakeOwnCandidates(moment.p_W(), moment.knowledge);
   if (!moment.finds_itself) {
-    search_.Find(p_W, mission, now, knowledge, timings);
+    search_.Find(moment.p_W(), moment.mission, moment.now, moment.knowledge, moment.timings);
     shut_ways_.Note(search_.search());
   }
-  if (const auto place_W = strategy_->FindMisfit(knowledge.map(), search_.search()))
+  if (const auto place_W = strategy_->FindMisfit(moment.map(), search_.search()))
     return Ended(Ending{.outcome = Outcome::kDoesNotApply, .misfit_W = place_W});
   return Decide(moment);
 }
@@ -123,10 +128,33 @@ Task TargetChooser::DecideAmongCandidates(const Moment& moment) {
     if (std::optional<Task> task = DecideWithoutWorth(moment)) return *std::move(task);
     choice = StraightTo(situation, NearestCandidate(situation));
   }
-  return See(std::move(choice), situation, moment);
+  if (std::optional<Task> task = See(choice, situation, moment)) return *std::move(task);
+  return DecideWithout(choice, moment);
+}
+
+/// Decides again without a choice that the robot has no room to turn to.
+Task TargetChooser::DecideWithout(const Choice& choice, const Moment& moment) {
+  const Candidate chosen = search_.candidates()[choice.candidate];
+  SetAsideForRoom(choice.target.empty() ? chosen.cluster.unknowns : choice.target, moment);
+  const DenseGrid<std::uint8_t>& aside = moment.knowledge.memory().set_aside();
+  search_.Drop([&](const Candidate& candidate) {
+    return candidate.cluster.unknowns == chosen.cluster.unknowns ||
+           std::ranges::all_of(candidate.cluster.unknowns,
+                               [&](const VoxelIndex& i) { return aside[i] != 0; });
+  });
+  return Decide(moment);
+}
+
+void TargetChooser::SetAsideForRoom(const std::vector<VoxelIndex>& target, const Moment& moment) {
+  for (const VoxelIndex& i : target) moment.knowledge.memory().SetAside(i, AsideReason::kNoRoom, moment.now);
 }
 
 Task TargetChooser::DecideWithoutCandidates(const Moment& moment) {
+  const bool is_elsewhere = !tried_again_W_ || (*tried_again_W_ - moment.p_W()).norm() > kElsewhere;
+  if (is_elsewhere && moment.knowledge.memory().Release(AsideReason::kNoRoom, moment.now) > 0) {
+    tried_again_W_ = moment.p_W();
+    return ChooseAt(moment);
+  }
   std::optional<Budget> spent = moment.dropped_for;
   if (strategy_->end() && !spent) return EndedBy(*strategy_->end(), moment);
   if (const auto view = NextInspection(std::nullopt, moment)) {
@@ -168,23 +196,36 @@ Task TargetChooser::EndedBy(const StrategyEnd& end, const Moment& moment) const 
   return Ended(std::move(ending));
 }
 
-Task TargetChooser::See(Choice choice, const Situation& situation, const Moment& moment) {
+std::optional<Task> TargetChooser::See(Choice& choice, const Situation& situation, const Moment& moment) {
   if (strategy_->goes_by_views()) return moment.make.TakeView(choice, search_.candidates(), moment.T_WB);
-  Task task = moment.make.See(choice, search_.candidates(), moment.T_WB, moment.timings);
-  const std::vector<RigidTransform>& T_WBs = task.plan.T_WBs;
+  const auto too_far = [&](const std::optional<Task>& task) {
+    if (!task || moment.finds_itself) return std::optional<Budget>();
+    const std::vector<RigidTransform>& T_WBs = task->plan.T_WBs;
+    return moment.mission.TooFar(moment.map(), PathLength(T_WBs), T_WBs.back().translation(), moment.now);
+  };
+  std::optional<Task> task = moment.make.See(choice, search_.candidates(), moment.T_WB, moment.timings);
   // A strategy may choose a detour that a budget does not allow, where the straight path is allowed.
-  if (!moment.finds_itself &&
-      moment.mission.TooFar(moment.map(), PathLength(T_WBs), T_WBs.back().translation(), moment.now)) {
-    choice = StraightTo(situation, NearestCandidate(situation));
-    task = moment.make.See(choice, search_.candidates(), moment.T_WB, moment.timings);
-  }
-  return task;
+  if (!too_far(task)) return task;
+  choice = StraightTo(situation, NearestCandidate(situation));
+  task = moment.make.See(choice, search_.candidates(), moment.T_WB, moment.timings);
+  if (options_.robot.turns_on_the_spot()) return task;
+  // In curves even that may be too long.
+  const std::optional<Budget> spent = too_far(task);
+  return spent ? Ended(OutcomeOf(*spent)) : task;
 }
 
 Task TargetChooser::Inspect(const InspectionView& view, const Moment& moment) {
-  Task task = moment.make.Inspect(view, search_.search(), moment.T_WB);
-  task.plan.frontiers = search_.candidates().size();
-  return task;
+  std::optional<Task> task = moment.make.Inspect(view, search_.search(), moment.T_WB);
+  if (!task) {
+    InspectedSurface& surface = *moment.knowledge.inspected();
+    for (const Facet& facet : view.facets) surface.CountTry(facet);
+    Moment again = moment;
+    // Where there is nothing else to do, the next view is tried.
+    again.has_no_room_to_inspect = !search_.candidates().empty();
+    return Decide(again);
+  }
+  task->plan.frontiers = search_.candidates().size();
+  return *std::move(task);
 }
 
 std::optional<Task> TargetChooser::LookAtBar(const std::vector<VoxelIndex>& bars, const Moment& moment) {
@@ -197,8 +238,10 @@ std::optional<Task> TargetChooser::LookAtBar(const std::vector<VoxelIndex>& bars
   const Situation situation = Describe(moment.T_WB, moment.knowledge);
   const std::optional<std::size_t> nearest = NearestTo(bars, situation, reach);
   if (!nearest) return spent ? std::optional(Ended(OutcomeOf(*spent))) : std::nullopt;
-  return moment.make.See(StraightTo(situation, *nearest), search_.candidates(), moment.T_WB, moment.timings,
-                         Approach::kNearest);
+  std::optional<Task> task = moment.make.See(StraightTo(situation, *nearest), search_.candidates(),
+                                             moment.T_WB, moment.timings, Approach::kNearest);
+  if (!task) SetAsideForRoom(situation.candidates[*nearest].cluster.unknowns, moment);
+  return task;
 }
 
 std::vector<ShutWays::Way> TargetChooser::FindShutWays(const Moment& moment) const {
@@ -238,6 +281,8 @@ std::vector<TightWay> TargetChooser::FindTightWays(const Moment& moment) const {
 std::optional<Task> TargetChooser::GoTightWay(const std::vector<TightWay>& ways, const Moment& moment) {
   // The path home is one from voxel to voxel.
   if (!options_.loop.go_tight_ways || moment.mission.returns_home()) return std::nullopt;
+  // Arcs keep to no line between voxels.
+  if (!options_.robot.turns_on_the_spot()) return std::nullopt;
   for (const TightWay& way : ways) {
     const double length = PathLength(way.path_W);
     // The area of clusters that can also be seen by another way may be counted there.
@@ -249,13 +294,14 @@ std::optional<Task> TargetChooser::GoTightWay(const std::vector<TightWay>& ways,
       continue;
     const std::vector<Candidate> candidates = {
         {.cluster = way.nearest, .goals = {moment.map().IndexOf(way.path_W.back())}, .length = length}};
-    gone_tight_way_ = true;
     // It is in sight from there; what is still not seen then was visited in vain.
     moment.knowledge.memory().Release(AsideReason::kOutOfSight, way.nearest.unknowns);
-    Task task = moment.make.See({.candidate = 0, .path_W = way.path_W}, candidates, moment.T_WB,
-                                moment.timings, Approach::kNearest);
-    task.choice = {};  // which is none of the candidates that the search has found
-    task.plan.frontiers = search_.candidates().size() + 1;
+    std::optional<Task> task = moment.make.See({.candidate = 0, .path_W = way.path_W}, candidates,
+                                               moment.T_WB, moment.timings, Approach::kNearest);
+    if (!task) continue;
+    gone_tight_way_ = true;
+    task->choice = {};  // which is none of the candidates that the search has found
+    task->plan.frontiers = search_.candidates().size() + 1;
     return task;
   }
   return std::nullopt;
@@ -293,7 +339,7 @@ bool TargetChooser::TakeOwnCandidates(const Eigen::Vector3d& p_W, const Knowledg
 Situation TargetChooser::Describe(const RigidTransform& T_WB, const Knowledge& knowledge) {
   const PlanningMap& map = knowledge.map();
   std::optional<TimedRobot> timed;
-  if (options_.minimize == Minimize::kTime) {
+  if (options_.minimize == Minimize::kTime || !options_.robot.turns_on_the_spot()) {
     timed = {options_.robot, T_WB.linear()};
     search_.PriceTurns([&](const Candidate& candidate) {
       return PriceOfTurn(candidate.goals.front(), candidate.length, candidate.cluster.center_W, T_WB, map,
@@ -320,7 +366,7 @@ Task TargetChooser::EndedShutIn(const Moment& moment) const {
 
 std::optional<InspectionView> TargetChooser::NextInspection(const std::optional<VoxelIndex>& frontier,
                                                             const Moment& moment) {
-  if (!inspection_.wanted()) return std::nullopt;
+  if (!inspection_.wanted() || moment.has_no_room_to_inspect) return std::nullopt;
   const Stopwatch finding;
   std::optional<InspectionView> view =
       inspection_.Next(moment.knowledge, search_.search(), moment.T_WB, frontier);

@@ -26,7 +26,8 @@ namespace thalweg::explorer {
 /// exploration to be complete because unknown space bars the path that the robot looked into in vain or sees
 /// little of, it looks at the nearest of that from near. Where a way is shut that was open, it watches that
 /// for a while before the end (ShutWays). Where gaps that only fit between voxels lead to more, it goes
-/// through them (FindTightWays).
+/// through them (FindTightWays). What a robot that turns only in curves has no room to turn to is set aside,
+/// and it chooses again.
 ///
 /// It ends at once where the strategy says that it does not apply, and a strategy that goes by views says
 /// itself when it has come to its end.
@@ -75,6 +76,7 @@ class TargetChooser {
     std::optional<Budget> dropped_for{};  ///< The budget for which candidates were left out, if any.
     /// Whether what was out of sight is among the candidates already, as far as it is in sight now.
     bool took_out_of_sight = false;
+    bool has_no_room_to_inspect = false;  ///< The nearest of what there is to inspect.
 
     const PlanningMap& map() const { return knowledge.map(); }
     Eigen::Vector3d p_W() const { return T_WB.translation(); }
@@ -83,6 +85,7 @@ class TargetChooser {
     }
   };
 
+  Task ChooseAt(Moment moment);
   void Use(ConfiguredStrategy strategy, Knowledge& knowledge);
   /// Takes the candidates of a strategy that finds its frontiers itself. @return Whether it does.
   bool TakeOwnCandidates(const Eigen::Vector3d& p_W, const Knowledge& knowledge);
@@ -95,8 +98,12 @@ class TargetChooser {
   std::optional<Task> DecideWithoutWorth(const Moment& moment);
   /// The end that a strategy has come to which goes by views.
   Task EndedBy(const StrategyEnd& end, const Moment& moment) const;
-  Task See(Choice choice, const Situation& situation, const Moment& moment);
+  /// @param choice  Set to the one that was tried last. @return Nothing if there is no room to turn to it.
+  std::optional<Task> See(Choice& choice, const Situation& situation, const Moment& moment);
   Task Inspect(const InspectionView& view, const Moment& moment);
+  Task DecideWithout(const Choice& choice, const Moment& moment);
+  /// Sets a target aside to which the robot has no room to turn.
+  static void SetAsideForRoom(const std::vector<VoxelIndex>& target, const Moment& moment);
   /// Looks at what may bar the path to the rest, from as near as can be; nothing if all of it is set aside.
   std::optional<Task> LookAtBar(const std::vector<VoxelIndex>& bars, const Moment& moment);
   /// Goes to see a way that is shut, or watches it; nothing if there is none but those watched in vain.
@@ -119,6 +126,8 @@ class TargetChooser {
   CandidateSearch search_;
   ShutWays shut_ways_;
   bool gone_tight_way_ = false;
+  /// [m] From where the robot last tried again what it had no room to turn to from elsewhere.
+  std::optional<Eigen::Vector3d> tried_again_W_;
   ErrandPlanner looks_;  ///< At what shuts a way.
   std::unique_ptr<Strategy> strategy_;
   std::size_t left_out_before_ = 0;  ///< By strategies before it.

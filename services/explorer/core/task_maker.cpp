@@ -7,6 +7,7 @@
 #include "common/base/stopwatch.h"
 #include "common/geometry/polyline.h"
 #include "services/explorer/core/path/flyable_path.h"
+#include "services/explorer/core/path/steered_path.h"
 #include "services/explorer/core/surface_inspection.h"
 #include "services/explorer/core/turn_price.h"
 #include "services/explorer/core/view/aiming.h"
@@ -16,9 +17,32 @@ namespace {
 
 constexpr double kOnTheSpot = 1e-3;  // [m] Length of a path on which the robot only turns.
 
+/// Whether a task is carried out only where the robot looks in its direction at the end.
+bool NeedsOrientation(Purpose purpose) {
+  switch (purpose) {
+    case Purpose::kGoHome:
+    case Purpose::kGoTo:
+    case Purpose::kLeaveNoGo:
+    case Purpose::kEnd:
+      return false;
+    case Purpose::kFindFreeSpace:
+    case Purpose::kLookAround:
+    case Purpose::kSeeFrontier:
+    case Purpose::kTakeView:
+    case Purpose::kInspect:
+    case Purpose::kWatchShutWay:
+    case Purpose::kLookAt:
+      break;
+  }
+  return true;
+}
+
 }  // namespace
 
-Task TaskMaker::Turn(Purpose purpose, const Eigen::Matrix3d& R_WB, const RigidTransform& T_WB) const {
+std::optional<Task> TaskMaker::Turn(Purpose purpose, const Eigen::Matrix3d& R_WB,
+                                    const RigidTransform& T_WB) const {
+  if (!options_.robot.turns_on_the_spot())
+    return Steer(purpose, T_WB.translation(), R_WB, T_WB, Heading::kGiven);
   Task task;
   task.plan.kind = Plan::Kind::kLook;
   task.plan.purpose = purpose;
@@ -41,9 +65,10 @@ std::optional<Task> TaskMaker::LookAround(const RigidTransform& T_WB, std::size_
   for (std::size_t n = 0; n < sightings.size(); ++n) {
     if (fresh[n] && views.Shows(view.R_WB, sightings[n])) target.push_back(sightings[n].voxel);
   }
-  Task task = Turn(Purpose::kLookAround, view.R_WB, T_WB);
-  task.plan.target_W = T_WB.translation() + view.R_WB.col(0);
-  AimAt(std::move(target), task);
+  std::optional<Task> task = Turn(Purpose::kLookAround, view.R_WB, T_WB);
+  if (!task) return std::nullopt;
+  task->plan.target_W = T_WB.translation() + view.R_WB.col(0);
+  AimAt(std::move(target), *task);
   return task;
 }
 
@@ -92,8 +117,10 @@ FacedPath TaskMaker::Faced(Purpose purpose, const std::vector<Eigen::Vector3d>& 
                             in_flight ? AngleWellInView(options_.camera, options_.robot) : kOffThePath);
 }
 
-Task TaskMaker::Follow(Purpose purpose, const std::vector<Eigen::Vector3d>& path_W,
-                       const Eigen::Matrix3d& R_WB, const RigidTransform& T_WB) const {
+std::optional<Task> TaskMaker::Follow(Purpose purpose, const std::vector<Eigen::Vector3d>& path_W,
+                                      const Eigen::Matrix3d& R_WB, const RigidTransform& T_WB,
+                                      Heading heading) const {
+  if (!options_.robot.turns_on_the_spot()) return Steer(purpose, path_W.back(), R_WB, T_WB, heading);
   const PlanningMap& map = knowledge_.map();
   Task task;
   task.plan.kind = Plan::Kind::kGo;
@@ -113,13 +140,40 @@ Task TaskMaker::Follow(Purpose purpose, const std::vector<Eigen::Vector3d>& path
   return task;
 }
 
+std::optional<Task> TaskMaker::Steer(Purpose purpose, const Eigen::Vector3d& to_W,
+                                     const Eigen::Matrix3d& R_WB, const RigidTransform& T_WB,
+                                     Heading heading) const {
+  const PlanningMap& map = knowledge_.map();
+  if (!map.plane()) return std::nullopt;
+  SteeringGoal goal{.p_W = to_W, .was_there = purpose == Purpose::kGoHome};
+  // Whoever leaves a box at its edge has not left it.
+  if (purpose == Purpose::kLeaveNoGo) goal.distance = 0.5 * options_.safety_margin;
+  if ((NeedsOrientation(purpose) || heading == Heading::kGiven) &&
+      (options_.loop.face_target || purpose == Purpose::kTakeView || heading == Heading::kGiven))
+    goal.yaw = YawOf(R_WB);
+  const SteeringModel model{.min_turning_radius = options_.robot.min_turning_radius,
+                            .body_radius = options_.robot.radius,
+                            .exemption = options_.exemption,
+                            .wide_exemption = options_.wide_exemption};
+  std::optional<std::vector<RigidTransform>> T_WBs = SteerTo(map, T_WB, goal, model);
+  if (!T_WBs) return std::nullopt;
+  Task task;
+  task.plan.kind = T_WBs->size() == 1 ? Plan::Kind::kLook : Plan::Kind::kGo;
+  task.plan.purpose = purpose;
+  task.plan.length = PathLength(*T_WBs);
+  const std::vector<bool> narrow(T_WBs->size(), false);
+  task.Follow({.T_WBs = *std::move(T_WBs), .narrow = narrow}, map, options_.least_clearance());
+  return task;
+}
+
 std::vector<Eigen::Vector3d> TaskMaker::Smoothed(const std::vector<Eigen::Vector3d>& path_W) const {
   const PlanningMap& map = knowledge_.map();
   return MakeComfortable(map, PullStraight(map, path_W, options_.clearance()), options_.comfort);
 }
 
-Task TaskMaker::See(const Choice& choice, const std::vector<Candidate>& candidates,
-                    const RigidTransform& T_WB, StageTimings& timings, Approach approach) const {
+std::optional<Task> TaskMaker::See(const Choice& choice, const std::vector<Candidate>& candidates,
+                                   const RigidTransform& T_WB, StageTimings& timings,
+                                   Approach approach) const {
   const PlanningMap& map = knowledge_.map();
   const ViewPlanner& views = knowledge_.views();
   const Cluster& cluster = candidates[choice.candidate].cluster;
@@ -134,34 +188,38 @@ Task TaskMaker::See(const Choice& choice, const std::vector<Candidate>& candidat
                                            : BestViewOf(target, knowledge_.SightingsFromBody(path_W.back()),
                                                         knowledge_.memory().set_aside(), views, T_WB.linear())
                                                  .R_WB;
-  Task task = Follow(Purpose::kSeeFrontier, path_W, R_WB, T_WB);
-  task.plan.target_W = cluster.center_W;
-  task.plan.frontiers = candidates.size();
-  task.choice = choice;
-  AimAt(target, task);
+  std::optional<Task> task = Follow(Purpose::kSeeFrontier, path_W, R_WB, T_WB);
+  if (!task) return std::nullopt;
+  task->plan.target_W = cluster.center_W;
+  task->plan.frontiers = candidates.size();
+  task->choice = choice;
+  AimAt(target, *task);
   return task;
 }
 
-Task TaskMaker::TakeView(const Choice& choice, const std::vector<Candidate>& candidates,
-                         const RigidTransform& T_WB) const {
-  Task task = PathLength(choice.path_W) < kOnTheSpot
-                  ? Turn(Purpose::kTakeView, *choice.R_WB, T_WB)
-                  : Follow(Purpose::kTakeView, choice.path_W, *choice.R_WB, T_WB);
-  task.plan.target_W = candidates[choice.candidate].cluster.center_W;
-  task.plan.frontiers = candidates.size();
-  task.choice = choice;
+std::optional<Task> TaskMaker::TakeView(const Choice& choice, const std::vector<Candidate>& candidates,
+                                        const RigidTransform& T_WB) const {
+  std::optional<Task> task = PathLength(choice.path_W) < kOnTheSpot
+                                 ? Turn(Purpose::kTakeView, *choice.R_WB, T_WB)
+                                 : Follow(Purpose::kTakeView, choice.path_W, *choice.R_WB, T_WB);
+  if (!task) return std::nullopt;
+  task->plan.target_W = candidates[choice.candidate].cluster.center_W;
+  task->plan.frontiers = candidates.size();
+  task->choice = choice;
   return task;
 }
 
-Task TaskMaker::Inspect(const InspectionView& view, const PathSearch& search,
-                        const RigidTransform& T_WB) const {
+std::optional<Task> TaskMaker::Inspect(const InspectionView& view, const PathSearch& search,
+                                       const RigidTransform& T_WB) const {
   const PlanningMap& map = knowledge_.map();
-  Task task = view.length > 0.0
-                  ? Follow(Purpose::kInspect, Smoothed(search.PathFrom(map, T_WB.translation(), view.place)),
-                           view.R_WB, T_WB)
-                  : Turn(Purpose::kInspect, view.R_WB, T_WB);
-  DescribeInspection(view, map, task.plan);
-  task.facets = view.facets;
+  std::optional<Task> task =
+      view.length > 0.0
+          ? Follow(Purpose::kInspect, Smoothed(search.PathFrom(map, T_WB.translation(), view.place)),
+                   view.R_WB, T_WB)
+          : Turn(Purpose::kInspect, view.R_WB, T_WB);
+  if (!task) return std::nullopt;
+  DescribeInspection(view, map, task->plan);
+  task->facets = view.facets;
   return task;
 }
 

@@ -20,6 +20,12 @@ enum class Approach : std::uint8_t {
   kNearest,    ///< To the end of the path.
 };
 
+/// What orientation a robot that drives in curves has at the end of a path.
+enum class Heading : std::uint8_t {
+  kByPurpose,  ///< The given one if the purpose is to see something; else any.
+  kGiven,
+};
+
 /// Makes tasks from what was decided: shapes the path for the robot, sets the orientations along it, and
 /// records what the task is to show.
 /// Keeps references; made for one decision. Threading: one thread.
@@ -35,24 +41,30 @@ class TaskMaker {
   TaskMaker(const ExplorerOptions& options, const Knowledge& knowledge, const Lead* lead)
       : options_(options), knowledge_(knowledge), lead_(lead) {}
 
-  /// Turns on the spot.
-  Task Turn(Purpose purpose, const Eigen::Matrix3d& R_WB, const RigidTransform& T_WB) const;
+  // A robot that cannot turn on the spot drives in curves (SteerTo). There is no task where there is no room
+  // for them.
+
+  /// Turns on the spot, or in curves that end there.
+  std::optional<Task> Turn(Purpose purpose, const Eigen::Matrix3d& R_WB, const RigidTransform& T_WB) const;
   /// Turns to the unknown voxels in sight that no look has covered; nothing if the best view shows fewer than
   /// `enough`.
   std::optional<Task> LookAround(const RigidTransform& T_WB, std::size_t enough) const;
-  /// Follows a path, as it is, with the given orientation at its end.
-  Task Follow(Purpose purpose, const std::vector<Eigen::Vector3d>& path_W, const Eigen::Matrix3d& R_WB,
-              const RigidTransform& T_WB) const;
+  /// Follows a path, as it is, with the given orientation at its end; in curves, another path to that end.
+  std::optional<Task> Follow(Purpose purpose, const std::vector<Eigen::Vector3d>& path_W,
+                             const Eigen::Matrix3d& R_WB, const RigidTransform& T_WB,
+                             Heading heading = Heading::kByPurpose) const;
   /// A path from voxel to voxel, straightened and led away from obstacles.
   std::vector<Eigen::Vector3d> Smoothed(const std::vector<Eigen::Vector3d>& path_W) const;
   /// Goes to see the chosen one of the candidates.
-  Task See(const Choice& choice, const std::vector<Candidate>& candidates, const RigidTransform& T_WB,
-           StageTimings& timings, Approach approach = Approach::kUntilSeen) const;
+  std::optional<Task> See(const Choice& choice, const std::vector<Candidate>& candidates,
+                          const RigidTransform& T_WB, StageTimings& timings,
+                          Approach approach = Approach::kUntilSeen) const;
   /// Goes, or turns, to take the view that a strategy chose which goes by views: on its path, as it is.
-  Task TakeView(const Choice& choice, const std::vector<Candidate>& candidates,
-                const RigidTransform& T_WB) const;
+  std::optional<Task> TakeView(const Choice& choice, const std::vector<Candidate>& candidates,
+                               const RigidTransform& T_WB) const;
   /// Goes, or turns, to inspect surface. @param search  From the robot.
-  Task Inspect(const InspectionView& view, const PathSearch& search, const RigidTransform& T_WB) const;
+  std::optional<Task> Inspect(const InspectionView& view, const PathSearch& search,
+                              const RigidTransform& T_WB) const;
 
  private:
   /// The points at the height at which a driving robot is, or as they are.
@@ -64,6 +76,9 @@ class TaskMaker {
   std::vector<Eigen::Vector3d> Swung(const std::vector<Eigen::Vector3d>& path_W) const;
   FacedPath Faced(Purpose purpose, const std::vector<Eigen::Vector3d>& points_W, const Eigen::Matrix3d& R_WB,
                   const RigidTransform& T_WB) const;
+  /// Drives in curves.
+  std::optional<Task> Steer(Purpose purpose, const Eigen::Vector3d& to_W, const Eigen::Matrix3d& R_WB,
+                            const RigidTransform& T_WB, Heading heading) const;
   void AimAt(std::vector<VoxelIndex> target, Task& task) const;
 
   const ExplorerOptions& options_;

@@ -22,6 +22,8 @@ std::string_view ReasonText(AsideReason reason) {
       return "ignored by the operator";
     case AsideReason::kTooSmall:
       return "too small to matter";
+    case AsideReason::kNoRoom:
+      return "no room to turn to it";
     case AsideReason::kNone:
       break;
   }

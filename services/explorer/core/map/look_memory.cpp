@@ -28,6 +28,8 @@ std::string_view NameOf(AsideReason reason) {
       return "ignored";
     case AsideReason::kTooSmall:
       return "too_small";
+    case AsideReason::kNoRoom:
+      return "no_room";
     case AsideReason::kNone:
       break;
   }
@@ -137,10 +139,10 @@ std::size_t LookMemory::ReopenInVain(const VoxelBox& within) {
   return reopened;
 }
 
-std::size_t LookMemory::Release(AsideReason reason) {
+std::size_t LookMemory::Release(AsideReason reason, Time before) {
   std::size_t released = 0;
   for (std::size_t k = 0; k < aside_.size(); ++k) {
-    if (aside_[k] != static_cast<std::uint8_t>(reason)) continue;
+    if (aside_[k] != static_cast<std::uint8_t>(reason) || entries_[k].set_aside >= before) continue;
     aside_[k] = 0;
     ++released;
   }

@@ -23,11 +23,12 @@ enum class AsideReason : std::uint8_t {
   kNoDepth,     ///< During most looks the sensor had no depth in that direction.
   kIgnored,     ///< An operator commanded it; it never gets another chance.
   kTooSmall,    ///< Its cluster is too small to be worth a visit. Not remembered.
+  kNoRoom,      ///< The robot turns only in curves, and none of them leads to a view of it.
 };
 /// All of them but kNone.
 inline constexpr AsideReason kAsideReasons[] = {
     AsideReason::kLookedAt, AsideReason::kVisited, AsideReason::kOutOfSight, AsideReason::kLostThere,
-    AsideReason::kNoDepth,  AsideReason::kIgnored, AsideReason::kTooSmall,
+    AsideReason::kNoDepth,  AsideReason::kIgnored, AsideReason::kTooSmall,   AsideReason::kNoRoom,
 };
 /// Whether the robot tried to see it, and failed.
 bool IsInVain(AsideReason reason);
@@ -80,8 +81,8 @@ class LookMemory {
   void Expire(Time now);
   /// Gives another chance to the voxels of a box that are set aside in vain. @return How many had one left.
   std::size_t ReopenInVain(const VoxelBox& within);
-  /// Makes all voxels set aside for this reason targets again. @return Number of voxels.
-  std::size_t Release(AsideReason reason);
+  /// Makes all voxels set aside for this reason before that time targets again. @return Number of voxels.
+  std::size_t Release(AsideReason reason, Time before = Time::max());
   /// Makes those of these voxels targets again that are set aside for this reason.
   void Release(AsideReason reason, std::span<const VoxelIndex> voxels);
 

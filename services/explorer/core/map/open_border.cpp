@@ -30,8 +30,10 @@ double OpenBorder::share() const {
 double OpenBorder::missed_share() const {
   if (open() > surface) return share();
   std::size_t missed = hidden;
-  for (const auto& [reason, voxels] : unknown)
-    missed += IsInVain(reason) || reason == AsideReason::kLostThere ? voxels : 0;
+  for (const auto& [reason, voxels] : unknown) {
+    const bool not_reached = reason == AsideReason::kLostThere || reason == AsideReason::kNoRoom;
+    missed += IsInVain(reason) || not_reached ? voxels : 0;
+  }
   return missed == 0 ? 0.0 : static_cast<double>(missed) / static_cast<double>(surface + open());
 }
 

@@ -23,6 +23,7 @@ double TravelTime(double length, const RobotModel& robot) {
 }
 
 double TurnTime(double angle, const RobotModel& robot) {
+  if (!robot.turns_on_the_spot()) return TravelTime(angle * robot.min_turning_radius, robot);
   return Trapezoid(angle, robot.max_turn_rate, robot.max_turn_acceleration);
 }
 

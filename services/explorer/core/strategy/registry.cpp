@@ -130,6 +130,8 @@ std::optional<RobotMisfit> MisfitOf(const RobotModel& robot, std::string_view na
   switch (entry->info.robots) {
     case ForRobots::kDriving:
       if (!robot.drives) return RobotMisfit{"a robot that drives", "drives", "false"};
+      if (!robot.turns_on_the_spot())
+        return RobotMisfit{"a robot that turns on the spot", "drive", "ACKERMANN"};
       break;
     case ForRobots::kLooking: {
       constexpr auto kLooks = "a robot that flies and can look in any direction";

@@ -10,4 +10,5 @@ export const FATES = ["Not seen yet", "Chosen", "Set aside"]; // FrontierFate
 export const CHOSEN = 1;
 export const SET_ASIDE = 2;
 export const REASONS = ["", "looked at and stayed unknown", "visited without progress", "seen from no reachable place", "lost or stopped on the way there",
-  "nothing was measured there: too little texture, or too far?", "ignored by the operator", "too small to matter"]; // AsideReason
+  "nothing was measured there: too little texture, or too far?", "ignored by the operator", "too small to matter",
+  "no room to turn to it"]; // AsideReason

@@ -107,6 +107,28 @@ TEST_P(DifferentialDrive, ExploresAllWithoutMovingAcrossWhereItFaces) {
   EXPECT_GT(result.motion.turning, 1.0);
 }
 
+/// A robot in the flat that turns only in curves.
+class AckermannDrive : public testing::TestWithParam<std::tuple<MotionModel, const char*, const char*>> {};
+INSTANTIATE_TEST_SUITE_P(Motions, AckermannDrive,
+                         testing::Values(std::tuple(MotionModel::kKinematic, "PATH", "closest"),
+                                         std::tuple(MotionModel::kDynamic, "PATH", "cover"),
+                                         std::tuple(MotionModel::kDynamic, "TIME", "cover")));
+
+TEST_P(AckermannDrive, ExploresAllWithoutTurningTighterThanItCan) {
+  const auto& [motion, minimize, strategy] = GetParam();
+  const Scene scene("flat_ground", {"robot.drive=ACKERMANN", "robot.min_turning_radius_m=0.4",
+                                    std::string("explorer.minimize=") + minimize});
+  const LockstepOptions options = scene.Options(strategy, 1, PoseSource::kTruth, motion);
+  mapper::OccupancyMap map(options.mapper);
+  const LockstepResult result = RunLockstep(scene.world(), scene.Start(1), options, map);
+  EXPECT_EQ(ToText(result.end), "complete");
+  EXPECT_EQ(result.collisions, 0);
+  EXPECT_EQ(result.motion.turning, 0.0) << "on the spot";
+  EXPECT_LE(result.motion.sharpest_curve, 1.0 / 0.4);
+  EXPECT_LE(result.motion.most_sideways_speed, std::sin(0.1) * options.robot.max_speed);
+  EXPECT_GT(result.distance, 5.0);
+}
+
 TEST(DynamicMotionThatMinimizesTime, TakesLessOfIt) {
   double path = 0.0;
   double time = 0.0;

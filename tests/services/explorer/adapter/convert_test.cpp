@@ -6,7 +6,7 @@ namespace thalweg::explorer {
 namespace {
 
 TEST(AsideReasonOnTheWire, IsTheSameReasonAfterwards) {
-  for (int k = 0; k <= static_cast<int>(AsideReason::kTooSmall); ++k) {
+  for (int k = 0; k <= static_cast<int>(AsideReason::kNoRoom); ++k) {
     const auto reason = static_cast<AsideReason>(k);
     EXPECT_EQ(FromIdl(ToIdl(reason)), reason);
     EXPECT_EQ(AsideReasonNamed(NameOf(reason)), reason);

@@ -238,5 +238,24 @@ TEST_F(ErrandPlannerTest, ARobotThatDrivesGoesToThePointInItsPlaneAndShowsTheOne
   EXPECT_NEAR(task->plan.T_WBs.back().translation().x(), 2.05, 1e-9);
 }
 
+TEST_F(ErrandPlannerTest, ARobotThatTurnsOnlyInCurvesArrivesWithTheHeadingThatWasAskedForOrAny) {
+  options_.robot.drives = true;
+  options_.robot.height = 0.4;
+  options_.robot.drive = Drive::kAckermann;
+  options_.robot.min_turning_radius = 0.3;
+  Knowledge knowledge = Knowing();
+  T_WB_ = knowledge.InPlane(test::At(0.55, 1.05, 0.38));
+  Errand errand = GoTo({2.05, 1.05, 0.38});
+  const auto end_of = [&] {
+    const Result<Task> task = MakeWith(knowledge, errand);
+    return task ? task->plan.T_WBs.back() : RigidTransform::Identity();
+  };
+  EXPECT_NEAR(end_of().translation().x(), 2.05, 0.1);
+  EXPECT_NEAR(AngleBetween(end_of(), T_WB_), 0.0, 0.05) << "straight ahead";
+  errand.yaw_W = 3.0;
+  EXPECT_NEAR(end_of().translation().x(), 2.05, 0.1);
+  EXPECT_NEAR(YawOf(end_of().linear()), 3.0, 0.18);
+}
+
 }  // namespace
 }  // namespace thalweg::explorer

@@ -277,6 +277,10 @@ TEST(Explorer, ARobotThatDrivesNeedsAHeight) {
   Explorer::Options options;
   options.robot.drives = true;
   EXPECT_THROW(Explorer{options}, std::invalid_argument);
+  options.robot.height = 0.4;
+  EXPECT_NO_THROW(Explorer{options});
+  options.robot.drive = Drive::kAckermann;
+  EXPECT_THROW(Explorer{options}, std::invalid_argument) << "and a turning radius";
 }
 
 TEST_P(ExplorerTest, TheTimeBudgetEndsIt) {

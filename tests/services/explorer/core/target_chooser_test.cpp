@@ -302,6 +302,60 @@ TEST_F(TargetChooserTest, AStrategyForRobotsThatDriveIsRefusedToOthers) {
   EXPECT_NO_THROW(TargetChooser(options_, robot.knowledge));
 }
 
+TEST_F(TargetChooserTest, WhatThereIsNoRoomToTurnToIsSetAsideUntilTheRobotIsElsewhereAndNamedAtTheEnd) {
+  options_.robot.drives = true;
+  options_.robot.height = 0.4;
+  options_.robot.drive = Drive::kAckermann;
+  options_.robot.min_turning_radius = 50.0;
+  Order({.choose = [](const Situation& situation) {
+    // The hole, across the room, before what lies straight ahead.
+    const Eigen::Vector3d here_W = situation.robot_W;
+    for (std::size_t n = 0; n < situation.candidates.size(); ++n) {
+      if (situation.candidates[n].cluster.center_W.y() > 1.1)
+        return Choice{.candidate = n,
+                      .path_W = {here_W, {2.25, here_W.y(), here_W.z()}},
+                      .R_WB = RotationFromYawPitch(0.5 * std::numbers::pi, 0.0)};
+    }
+    return Choice{.path_W = {here_W, {5.05, here_W.y(), here_W.z()}}, .R_WB = Eigen::Matrix3d::Identity()};
+  }});
+  ChoosingRobot robot(options_, RoomWithAHole());
+  robot.T_WB = robot.knowledge.InPlane(kHere);
+  const Task task = robot.Choose();
+  ASSERT_EQ(task.plan.kind, Plan::Kind::kGo);
+  EXPECT_GT(task.plan.T_WBs.back().translation().x(), 4.0) << "straight on, where it faces";
+  const LookMemory& memory = robot.knowledge.memory();
+  const std::size_t without_room = memory.Count(AsideReason::kNoRoom);
+  EXPECT_GT(without_room, 0U);
+  EXPECT_EQ(memory.set_aside()[kHoleInASide.min], static_cast<std::uint8_t>(AsideReason::kNoRoom));
+  // At the far end, of which all is known then, it tries again, and again in vain.
+  robot.knowledge.Update(test::FarWall(), {}, kStart + 1s);
+  robot.T_WB = task.plan.T_WBs.back();
+  const Task end = robot.Choose(kStart + 1s);
+  ASSERT_TRUE(end.plan.ending);
+  EXPECT_EQ(memory.Count(AsideReason::kNoRoom), without_room);
+  const auto& missed = end.plan.ending->missed;
+  EXPECT_TRUE(
+      std::ranges::any_of(missed, [](const auto& part) { return part.reason == AsideReason::kNoRoom; }));
+  // One that can turn tighter goes there after all.
+  options_.robot.min_turning_radius = 0.3;
+  ChoosingRobot nimble(options_, RoomWithAHole());
+  nimble.T_WB = nimble.knowledge.InPlane(kHere);
+  EXPECT_LT(nimble.Choose().plan.T_WBs.back().translation().x(), 4.0);
+}
+
+TEST_F(TargetChooserTest, WithoutRoomForAnythingItEndsAlthoughNothingIsSetAside) {
+  options_.robot.drives = true;
+  options_.robot.height = 0.4;
+  options_.robot.drive = Drive::kAckermann;
+  options_.robot.min_turning_radius = 50.0;
+  options_.memory.sets_aside = false;
+  std::vector<VoxelChange> changes = RoomWithAHole();
+  for (const VoxelChange& change : test::FarWall()) changes.push_back(change);
+  ChoosingRobot robot(options_, changes);
+  robot.T_WB = robot.knowledge.InPlane(kHere);
+  EXPECT_TRUE(robot.Choose().plan.ending);
+}
+
 TEST_F(TargetChooserTest, AStrategyThatDoesNotApplyEndsItWhateverIsLeft) {
   const Eigen::Vector3d pillar(2.0, 0.6, 0.6);
   Order({.misfit_W = pillar});

@@ -85,7 +85,7 @@ class TaskMakerTest : public testing::Test {
 };
 
 TEST_F(TaskMakerTest, ATurnStaysWhereTheRobotIs) {
-  const Task task = Maker().Turn(Purpose::kFindFreeSpace, R_WB_, T_WB_);
+  const Task task = *Maker().Turn(Purpose::kFindFreeSpace, R_WB_, T_WB_);
   EXPECT_EQ(task.plan.kind, Plan::Kind::kLook);
   EXPECT_EQ(task.plan.purpose, Purpose::kFindFreeSpace);
   ASSERT_THAT(task.plan.T_WBs, SizeIs(1));
@@ -95,6 +95,29 @@ TEST_F(TaskMakerTest, ATurnStaysWhereTheRobotIs) {
   EXPECT_FALSE(task.plan.target_W);
   EXPECT_FALSE(task.plan.ending);
   EXPECT_FALSE(task.turn_first);
+}
+
+TEST_F(TaskMakerTest, ARobotThatTurnsOnlyInCurvesDrivesToWhereItLooksAndToAnyHeadingOtherwise) {
+  options_.robot.drives = true;
+  options_.robot.height = 0.4;
+  options_.robot.drive = Drive::kAckermann;
+  options_.robot.min_turning_radius = 0.4;
+  const TaskMaker make = Maker();
+  const Eigen::Matrix3d back = RotationFromYawPitch(3.0, 0.0);
+  const std::optional<Task> turn = make.Turn(Purpose::kLookAt, back, T_WB_);
+  ASSERT_TRUE(turn);
+  EXPECT_EQ(turn->plan.kind, Plan::Kind::kGo);
+  EXPECT_GT(turn->plan.length, 0.5);
+  EXPECT_LT(AngleBetween(turn->plan.T_WBs.back().linear(), back), 10.1 * kDegree);
+  EXPECT_EQ(turn->narrow.size(), turn->plan.T_WBs.size());
+  const std::optional<Task> stay = make.Turn(Purpose::kLookAt, RotationFromYawPitch(0.1, 0.0), T_WB_);
+  ASSERT_TRUE(stay);
+  EXPECT_EQ(stay->plan.kind, Plan::Kind::kLook) << "it looks there already";
+  const std::optional<Task> go =
+      make.Follow(Purpose::kGoTo, {T_WB_.translation(), {3.05, 1.05, 1.55}}, back, T_WB_);
+  ASSERT_TRUE(go);
+  EXPECT_NEAR(go->plan.length, 2.0, 0.15) << "straight, whatever the heading at its end";
+  EXPECT_FALSE(make.Turn(Purpose::kLookAt, back, test::At(-3, 0, 1.55))) << "where nothing is known";
 }
 
 TEST_F(TaskMakerTest, ALookAroundTurnsToTheUnknownAndAimsAtAllOfItInTheImage) {
@@ -148,7 +171,7 @@ TEST_F(TaskMakerTest, WithNothingUnknownInSightThereIsNoLookAround) {
 }
 
 TEST_F(TaskMakerTest, FollowsAPathAsItIsAndTurnsAtItsEnd) {
-  const Task task = Maker().Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
+  const Task task = *Maker().Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
   EXPECT_EQ(task.plan.kind, Plan::Kind::kGo);
   EXPECT_EQ(task.plan.purpose, Purpose::kGoTo);
   EXPECT_NEAR(task.plan.length, 3.5, 1e-12);
@@ -171,7 +194,7 @@ TEST_F(TaskMakerTest, TurnsFirstToAHoleInAWallRightAhead) {
     changes_.push_back(change);
   T_WB_ = MakeTransform(RotationFromYawPitch(std::numbers::pi, 0.0), {1.25, 1.05, 1.55});
   const std::vector<Eigen::Vector3d> through_W = {T_WB_.translation(), {3.05, 1.05, 1.55}};
-  const Task task = Maker().Follow(Purpose::kGoTo, through_W, R_WB_, T_WB_);
+  const Task task = *Maker().Follow(Purpose::kGoTo, through_W, R_WB_, T_WB_);
   EXPECT_TRUE(task.turn_first);
   EXPECT_NEAR(task.plan.T_WBs.front().linear()(0, 0), 1.0, 1e-9);
   EXPECT_TRUE(std::ranges::any_of(task.narrow, [](bool narrow) { return narrow; }));
@@ -179,7 +202,7 @@ TEST_F(TaskMakerTest, TurnsFirstToAHoleInAWallRightAhead) {
 
 TEST_F(TaskMakerTest, WhereTimeCountsACornerBecomesACurve) {
   options_.minimize = Minimize::kTime;
-  const Task task = Maker().Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
+  const Task task = *Maker().Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
   const std::vector<Eigen::Vector3d> points_W = PointsOf(task);
   EXPECT_LT((points_W.front() - path_W_.front()).norm(), 1e-9);
   EXPECT_LT((points_W.back() - path_W_.back()).norm(), 1e-9);
@@ -191,7 +214,7 @@ TEST_F(TaskMakerTest, WhereTimeCountsACornerBecomesACurve) {
 TEST_F(TaskMakerTest, APathThatIsLedToBeginsOnTheLastSegmentOfItsLead) {
   options_.minimize = Minimize::kTime;
   const TaskMaker::Lead lead = LeadTo(T_WB_);
-  const Task task = Maker(&lead).Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
+  const Task task = *Maker(&lead).Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
   EXPECT_LT((task.plan.T_WBs.front().translation() - Eigen::Vector3d(0.95, 1.05, 1.55)).norm(), 1e-9);
   EXPECT_NEAR(task.plan.length, 3.5, 1e-12) << "without what leads there";
   EXPECT_FALSE(task.lead_poses);
@@ -203,7 +226,7 @@ TEST_F(TaskMakerTest, ARobotInFlightSwingsOntoItsPathWhereThatIsClear) {
   lead.hears = {.pose = 1, .T_WB = lead.path.T_WBs[1], .left = 9.0};
   lead.flight =
       Flight{.p_W = {0.95, 1.05, 1.55}, .v_W = {0.5, 0.0, 0.0}, .max_speed = 0.5, .max_acceleration = 1.0};
-  const Task task = Maker(&lead).Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
+  const Task task = *Maker(&lead).Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
   ASSERT_EQ(task.lead_poses, 2U) << "the rest of what leads to the path is not flown";
   const std::vector<RigidTransform>& T_WBs = task.plan.T_WBs;
   EXPECT_EQ(T_WBs.front().translation(), lead.flight->p_W);
@@ -214,19 +237,19 @@ TEST_F(TaskMakerTest, ARobotInFlightSwingsOntoItsPathWhereThatIsClear) {
   }
   // One that flies there already goes on.
   lead.flight->p_W = path_W_.front() - Eigen::Vector3d(0.1, 0.0, 0.0);
-  const Task straight = Maker(&lead).Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
+  const Task straight = *Maker(&lead).Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
   EXPECT_EQ(straight.plan.T_WBs.front().translation(), lead.flight->p_W);
   EXPECT_EQ(straight.lead_poses, 2U);
   EXPECT_LT((straight.plan.T_WBs.back().translation() - path_W_.back()).norm(), 1e-9);
   lead.flight->p_W = {0.95, 1.05, 1.55};
   // Where it would turn back, it goes on to where it can stand.
   lead.flight->v_W = {-0.5, 0.0, 0.0};
-  EXPECT_FALSE(Maker(&lead).Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_).lead_poses);
+  EXPECT_FALSE(Maker(&lead).Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_)->lead_poses);
 }
 
 TEST_F(TaskMakerTest, FacesTheDirectionOfTravelWhereTheRulesSaySo) {
   options_.loop.face_target = false;
-  const Task task = Maker().Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
+  const Task task = *Maker().Follow(Purpose::kGoTo, path_W_, R_WB_, T_WB_);
   ASSERT_THAT(task.plan.T_WBs, SizeIs(3));
   EXPECT_LT((task.plan.T_WBs[1].linear().col(0) - Eigen::Vector3d::UnitX()).norm(), 1e-9);
   EXPECT_LT((task.plan.T_WBs[2].linear().col(0) - Eigen::Vector3d::UnitY()).norm(), 1e-9)
@@ -238,7 +261,7 @@ TEST_F(TaskMakerTest, ARobotThatMovesOnlyWhereItFacesTurnsOnlyWhereItStands) {
   options_.robot.height = 0.4;
   options_.robot.drive = Drive::kDifferential;
   const Eigen::Matrix3d R_WB = RotationFromYawPitch(-70.0 * kDegree, 0.0);
-  const Task task = Maker().Follow(Purpose::kGoTo, path_W_, R_WB, T_WB_);
+  const Task task = *Maker().Follow(Purpose::kGoTo, path_W_, R_WB, T_WB_);
   const std::vector<RigidTransform>& T_WBs = task.plan.T_WBs;
   double traveled = 0.0;
   for (std::size_t n = 1; n < T_WBs.size(); ++n) {
@@ -257,7 +280,7 @@ TEST_F(TaskMakerTest, ARobotThatDrivesStaysAtTheHeightOfItsPlane) {
   T_WB_ = test::At(1.05, 1.05, 0.38);
   std::vector<Eigen::Vector3d> path_W = path_W_;
   for (std::size_t n = 0; n < path_W.size(); ++n) path_W[n].z() = 0.35 + 0.02 * static_cast<double>(n);
-  const Task task = Maker().Follow(Purpose::kGoTo, path_W, Eigen::Matrix3d::Identity(), T_WB_);
+  const Task task = *Maker().Follow(Purpose::kGoTo, path_W, Eigen::Matrix3d::Identity(), T_WB_);
   ASSERT_FALSE(task.plan.T_WBs.empty());
   for (const Eigen::Vector3d& p_W : PointsOf(task)) EXPECT_EQ(p_W.z(), 0.38);
 }
@@ -295,7 +318,7 @@ TEST_F(TaskMakerTest, SeeingAFrontierSaysWhatItIsToShow) {
   const std::vector<Candidate> candidates = HalvesOfTheFarEnd();
   const Choice choice{
       .candidate = 1, .path_W = {T_WB_.translation(), {5.35, 3.05, 1.55}}, .scores = {0.25, 0.75}};
-  const Task task = make.See(choice, candidates, T_WB_, timings_);
+  const Task task = *make.See(choice, candidates, T_WB_, timings_);
   EXPECT_EQ(task.plan.kind, Plan::Kind::kGo);
   EXPECT_EQ(task.plan.purpose, Purpose::kSeeFrontier);
   EXPECT_EQ(task.plan.target_W, candidates[1].cluster.center_W);
@@ -325,7 +348,7 @@ TEST_F(TaskMakerTest, ATargetOfTheStrategysOwnTakesTheClustersPlace) {
     const std::vector<VoxelIndex> target = {{60, y, 15}, {60, y, 16}};
     const Choice choice{
         .candidate = 0, .path_W = {T_WB_.translation(), {5.35, 3.05, 1.55}}, .target = target};
-    const Task task = make.See(choice, candidates, T_WB_, timings_);
+    const Task task = *make.See(choice, candidates, T_WB_, timings_);
     EXPECT_EQ(task.target, target);
     EXPECT_EQ(task.plan.target_unknown, 2U);
     EXPECT_EQ(task.plan.target_W, candidates[0].cluster.center_W);
@@ -340,9 +363,9 @@ TEST_F(TaskMakerTest, StopsWhereHalfOfWhatTheEndShowsIsInSight) {
   // apart.
   const Choice choice{.candidate = 0, .path_W = {T_WB_.translation(), {5.75, 1.05, 1.55}}, .target = target};
   options_.loop.stop_short = false;
-  EXPECT_NEAR(Maker().See(choice, candidates, T_WB_, timings_).plan.length, 4.7, 1e-9);
+  EXPECT_NEAR(Maker().See(choice, candidates, T_WB_, timings_)->plan.length, 4.7, 1e-9);
   options_.loop.stop_short = true;
-  const Task task = Maker().See(choice, candidates, T_WB_, timings_);
+  const Task task = *Maker().See(choice, candidates, T_WB_, timings_);
   EXPECT_LE(task.plan.length, 4.0 + 0.2);
   EXPECT_GE(task.plan.length, 4.0 - 1e-9) << "from (5.05, 1.05, 1.55) on it sees the first";
   EXPECT_GE(ShownOf(target, task.plan.T_WBs.back()), 1U);
@@ -356,7 +379,7 @@ TEST_F(TaskMakerTest, AViewOfTheStrategysOwnIsTakenAtTheEndOfThePath) {
                 .target = {{60, 10, 15}, {60, 11, 15}}};
   // Neither the view that shows the target best, nor one of those to choose from.
   choice.R_WB = RotationFromYawPitch(13.0 * kDegree, 7.0 * kDegree);
-  const Task task = Maker().See(choice, candidates, T_WB_, timings_);
+  const Task task = *Maker().See(choice, candidates, T_WB_, timings_);
   EXPECT_NEAR(task.plan.length, 4.7, 1e-9) << "the path is not cut where the target comes into sight";
   EXPECT_EQ(task.plan.T_WBs.back().linear(), *choice.R_WB);
   EXPECT_EQ(task.target, choice.target);
@@ -368,7 +391,7 @@ TEST_F(TaskMakerTest, CountsTheDoubtfulApartFromTheUnknown) {
   for (VoxelChange& change : doubtful) change.log_odds = 0.2F;
   changes_.insert(changes_.end(), doubtful.begin(), doubtful.end());
   const Choice choice{.candidate = 1, .path_W = {T_WB_.translation(), {5.35, 3.05, 1.55}}};
-  const Task task = Maker().See(choice, HalvesOfTheFarEnd(), T_WB_, timings_);
+  const Task task = *Maker().See(choice, HalvesOfTheFarEnd(), T_WB_, timings_);
   EXPECT_EQ(task.plan.target_doubtful, 6U);
   EXPECT_EQ(task.plan.target_unknown, 594U);
 }
@@ -387,7 +410,7 @@ TEST_F(TaskMakerTest, InspectsFromHereByATurn) {
   search.Flood(map(), {{map().IndexOf(T_WB_.translation()), 0}});
   const InspectionView view = ViewOfAWall(map().IndexOf(T_WB_.translation()), 0.0);
   ASSERT_EQ(view.facets[0].before(), (VoxelIndex{20, 0, 15})) << "the side that faces the room";
-  const Task task = make.Inspect(view, search, T_WB_);
+  const Task task = *make.Inspect(view, search, T_WB_);
   EXPECT_EQ(task.plan.kind, Plan::Kind::kLook);
   EXPECT_EQ(task.plan.purpose, Purpose::kInspect);
   ASSERT_THAT(task.plan.T_WBs, SizeIs(1));
@@ -406,7 +429,7 @@ TEST_F(TaskMakerTest, InspectsFromElsewhereByAStraightenedPath) {
   search.Flood(map(), {{map().IndexOf(T_WB_.translation()), 0}});
   const VoxelIndex place{40, 25, 15};
   const InspectionView view = ViewOfAWall(place, search.Length(place));
-  const Task task = make.Inspect(view, search, T_WB_);
+  const Task task = *make.Inspect(view, search, T_WB_);
   EXPECT_EQ(task.plan.kind, Plan::Kind::kGo);
   EXPECT_EQ(task.plan.purpose, Purpose::kInspect);
   EXPECT_EQ(task.plan.T_WBs.front().translation(), T_WB_.translation());

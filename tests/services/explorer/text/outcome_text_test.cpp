@@ -30,6 +30,7 @@ const std::map<AsideReason, std::string> kReasonTexts = {
     {AsideReason::kNoDepth, "nothing was measured there: too little texture, or too far?"},
     {AsideReason::kIgnored, "ignored by the operator"},
     {AsideReason::kTooSmall, "too small to matter"},
+    {AsideReason::kNoRoom, "no room to turn to it"},
 };
 
 TEST(OutcomeText, OfEveryOutcomeIsItsOwn) {

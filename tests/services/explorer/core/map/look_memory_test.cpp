@@ -173,6 +173,15 @@ TEST_F(LookMemoryTest, WhatWasSeenInVainElsewhereIsNotReopened) {
   EXPECT_TRUE(Aside());
 }
 
+TEST_F(LookMemoryTest, WhatWasSetAsideEarlierCanBeReleasedAlone) {
+  memory_.SetAside(kVoxel, AsideReason::kNoRoom, kNow);
+  EXPECT_EQ(memory_.Release(AsideReason::kNoRoom, kNow), 0U);
+  EXPECT_EQ(memory_.Release(AsideReason::kVisited, kNow + 1s), 0U);
+  EXPECT_TRUE(Aside());
+  EXPECT_EQ(memory_.Release(AsideReason::kNoRoom, kNow + 1s), 1U);
+  EXPECT_FALSE(Aside());
+}
+
 TEST_F(LookMemoryTest, WhatNobodyTriedToSeeIsNotReopenedAsInVain) {
   for (const AsideReason reason :
        {AsideReason::kOutOfSight, AsideReason::kLostThere, AsideReason::kIgnored}) {

@@ -29,6 +29,14 @@ TEST(TurnTime, IsThatOfATurnFromRestToRest) {
   EXPECT_NEAR(TurnTime(180.0 * kDegree, Robot()), 2.5, 1e-12) << "135 degrees more at the full rate";
 }
 
+TEST(TurnTime, OfARobotThatTurnsOnlyInCurvesIsThatOfItsWay) {
+  RobotModel robot = Robot();
+  robot.drives = true;
+  robot.drive = Drive::kAckermann;
+  robot.min_turning_radius = 1.5;
+  EXPECT_NEAR(TurnTime(2.0, robot), TravelTime(3.0, robot), 1e-12);
+}
+
 TEST(TurnTime, OfAGimbalIsThatOfTheSlowerAxis) {
   RobotModel robot = Robot();
   const Eigen::Matrix3d ahead = RotationFromYawPitch(0.0, 0.0);

@@ -61,6 +61,14 @@ TEST(MisfitOf, RefusesRobotsThatFlyForStrategiesThatAreForOthersOnly) {
   }
 }
 
+TEST(MisfitOf, RefusesRobotsThatTurnOnlyInCurvesWhereOneMustGoAnExactPath) {
+  const RobotModel robot{.drives = true, .drive = Drive::kAckermann, .min_turning_radius = 0.5};
+  ASSERT_TRUE(MisfitOf(robot, "gaps"));
+  EXPECT_STREQ(MisfitOf(robot, "gaps")->field, "drive");
+  EXPECT_STREQ(MisfitOf(robot, "gaps")->value, "ACKERMANN");
+  EXPECT_FALSE(MisfitOf(robot, "cover"));
+}
+
 TEST(MisfitOf, RefusesRobotsThatCannotLookUpAndDownWhereOneMust) {
   RobotModel robot;
   EXPECT_FALSE(MisfitOf(robot, "rift"));
