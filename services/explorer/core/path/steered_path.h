@@ -43,8 +43,7 @@ struct SteeringGoal {
 /// @param map   With a plane.
 /// @param T_WB  Pose of the robot, in the plane.
 /// @return      Poses from the robot's on; the robot drives back to those that lie behind the one before.
-///              Empty when there is none, or none was found among the first 400 000 states, which takes about
-///              half a second.
+///              Empty when there is none, or none was found among the first 400 000 states.
 std::optional<std::vector<RigidTransform>> SteerTo(const PlanningMap& map, const RigidTransform& T_WB,
                                                    const SteeringGoal& goal, const SteeringModel& model);
 
