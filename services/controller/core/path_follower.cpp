@@ -236,7 +236,7 @@ StopReason PathFollower::TryJoin() {
   joined_ = true;
   waiting_since_.reset();
   recheck_ = true;
-  if (!options_.robot.turns_on_the_spot()) BeginAt(*track_);
+  if (in_curves()) BeginAt(*track_);
   CheckTrack();
   return Obstacle();
 }
@@ -252,7 +252,7 @@ void PathFollower::BeginAt(const Track& track) {
 /// What is left of path() from the command on; with what leads there, unless the robot steers onto it. Empty
 /// if that is too far away.
 std::optional<std::vector<RigidTransform>> PathFollower::Joined() const {
-  if (options_.robot.turns_on_the_spot()) return JoinPath(p_W_, path().T_WBs, options_.path_tolerance);
+  if (!in_curves()) return JoinPath(p_W_, path().T_WBs, options_.path_tolerance);
   auto rest = RestOfPath(p_W_, path().T_WBs, options_.path_tolerance);
   const bool faces_along = rest && AngleBetween(pose_->T_WB, rest->front()) <= kAstray;
   return faces_along ? rest : std::nullopt;
@@ -280,7 +280,7 @@ void PathFollower::BrakeHard(double dt) {
   if (!has_command_) return;
   const double f = options_.emergency_factor;
   Travel(std::max(0.0, speed_ - f * options_.robot.max_acceleration * dt), dt);
-  if (!options_.robot.turns_on_the_spot()) return Turn(dt);
+  if (in_curves()) return Turn(dt);
   if (dt > 0.0) orientation_.Brake(f, dt);
 }
 
@@ -327,21 +327,20 @@ double PathFollower::Room() const {
 }
 
 Eigen::Quaterniond PathFollower::WantedOrientation() const {
-  if (!options_.robot.turns_on_the_spot()) return track_->OrientationAt(s_);
+  if (in_curves()) return track_->OrientationAt(s_);
   if (!options_.robot.faces_travel() || s_ >= track_->length()) return track_->OrientationAhead(s_);
   const Eigen::Vector3d ahead_W = track_->FacingAt(s_);
   return Eigen::Quaterniond(RotationFromYawPitch(std::atan2(ahead_W.y(), ahead_W.x()), 0.0));
 }
 
 bool PathFollower::MustTurnFirst() const {
-  if (!options_.robot.faces_travel() || !options_.robot.turns_on_the_spot() || s_ >= track_->length())
-    return false;
+  if (!options_.robot.faces_travel() || in_curves() || s_ >= track_->length()) return false;
   return orientation_.q_WB().angularDistance(WantedOrientation()) > (speed_ == 0.0 ? kAligned : kAstray);
 }
 
 void PathFollower::Turn(double dt) {
   if (!track_ || dt <= 0.0) return;
-  if (!options_.robot.turns_on_the_spot()) return orientation_.TurnWith(WantedOrientation(), dt);
+  if (in_curves()) return orientation_.TurnWith(WantedOrientation(), dt);
   orientation_.TurnTo(WantedOrientation(),
                       BrakingSpeed(max_angle_lead_ - AngleLead(), options_.robot.max_turn_acceleration), dt);
 }
@@ -405,7 +404,7 @@ bool PathFollower::CommandAtEnd() const {
 }
 
 bool PathFollower::RobotAtEnd() const {
-  if (!options_.robot.turns_on_the_spot()) {
+  if (in_curves()) {
     const Eigen::Vector3d left_B = pose_->T_WB.inverse() * track_->end();
     return std::abs(left_B.x()) <= options_.position_tolerance && left_B.norm() <= options_.path_tolerance;
   }
@@ -490,8 +489,7 @@ Eigen::Vector3d PathFollower::Limited(const Eigen::Vector3d& w_B) const {
 }
 
 void PathFollower::Steer(const Eigen::Vector3d& behind_B, double turned_away, MotionCommand& command) const {
-  const bool steers = !options_.robot.turns_on_the_spot();
-  const double along = steers && track_ && track_->LeadsBackAt(s_) ? -speed_ : speed_;
+  const double along = in_curves() && track_ && track_->LeadsBackAt(s_) ? -speed_ : speed_;
   double forward = along * std::cos(turned_away);
   double turn = orientation_.rate_B().z();
   if (state_ == MotionState::kFollowing) {
@@ -503,7 +501,7 @@ void PathFollower::Steer(const Eigen::Vector3d& behind_B, double turned_away, Mo
   const RobotModel& robot = options_.robot;
   command.v_WB_B.x() = std::clamp(forward, -robot.max_speed, robot.max_speed);
   double fastest = robot.max_turn_rate;
-  if (steers) fastest = std::min(fastest, std::abs(command.v_WB_B.x()) / robot.min_turning_radius);
+  if (in_curves()) fastest = std::min(fastest, std::abs(command.v_WB_B.x()) / robot.min_turning_radius);
   command.w_WB_B.z() = std::clamp(turn, -fastest, fastest);
 }
 

@@ -101,6 +101,8 @@ class PathFollower final : public MotionController {
   void EndPathBack(Time now);
   StopReason TryJoin();
   void CheckTrack();
+  /// Whether the robot turns only in curves.
+  bool in_curves() const { return !options_.robot.turns_on_the_spot(); }
   StopReason Obstacle() const;
   double CheckedSpeed() const;
   void Advance(StopReason emergency, double dt);

@@ -148,9 +148,9 @@ std::optional<Task> TaskMaker::Steer(Purpose purpose, const Eigen::Vector3d& to_
   SteeringGoal goal{.p_W = to_W, .was_there = purpose == Purpose::kGoHome};
   // Whoever leaves a box at its edge has not left it.
   if (purpose == Purpose::kLeaveNoGo) goal.distance = 0.5 * options_.safety_margin;
-  if ((NeedsOrientation(purpose) || heading == Heading::kGiven) &&
-      (options_.loop.face_target || purpose == Purpose::kTakeView || heading == Heading::kGiven))
-    goal.yaw = YawOf(R_WB);
+  const bool is_wanted =
+      NeedsOrientation(purpose) && (options_.loop.face_target || purpose == Purpose::kTakeView);
+  if (is_wanted || heading == Heading::kGiven) goal.yaw = YawOf(R_WB);
   const SteeringModel model{.min_turning_radius = options_.robot.min_turning_radius,
                             .body_radius = options_.robot.radius,
                             .exemption = options_.exemption,
@@ -182,7 +182,8 @@ std::optional<Task> TaskMaker::See(const Choice& choice, const std::vector<Candi
   if (options_.loop.stop_short && approach == Approach::kUntilSeen && !choice.R_WB)
     StopWhereSeen(map, views, options_.look_range, target, path_W);
   const Stopwatch comfort;
-  path_W = MakeComfortable(map, path_W, options_.comfort);
+  // In curves only the end counts, which stays.
+  if (options_.robot.turns_on_the_spot()) path_W = MakeComfortable(map, path_W, options_.comfort);
   timings["comfort"].Add(comfort.Milliseconds());
   const Eigen::Matrix3d R_WB = choice.R_WB ? *choice.R_WB
                                            : BestViewOf(target, knowledge_.SightingsFromBody(path_W.back()),
