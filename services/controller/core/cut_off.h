@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/base/time.h"
-#include "services/controller/core/flown_path.h"
+#include "common/geometry/flown_path.h"
 
 namespace thalweg::controller {
 

@@ -1,10 +1,10 @@
-#include "services/controller/core/flown_path.h"
+#include "common/geometry/flown_path.h"
 
 #include <algorithm>
 
 #include "common/geometry/polyline.h"
 
-namespace thalweg::controller {
+namespace thalweg {
 namespace {
 
 constexpr double kLeastTravel = 0.01;    // [m] Between positions that are examined.
@@ -83,4 +83,4 @@ void FlownPath::Shorten(double arc) {
   T_WB_newest_ = T_WB;
 }
 
-}  // namespace thalweg::controller
+}  // namespace thalweg

@@ -7,7 +7,7 @@
 
 #include "common/geometry/rigid_transform.h"
 
-namespace thalweg::controller {
+namespace thalweg {
 
 /// The path on which the robot came, so that it can go back on it.
 ///
@@ -54,4 +54,4 @@ class FlownPath {
   std::optional<RigidTransform> T_WB_newest_;  ///< Beyond the last vertex.
 };
 
-}  // namespace thalweg::controller
+}  // namespace thalweg

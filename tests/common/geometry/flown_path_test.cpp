@@ -1,4 +1,4 @@
-#include "services/controller/core/flown_path.h"
+#include "common/geometry/flown_path.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "common/geometry/polyline.h"
 
-namespace thalweg::controller {
+namespace thalweg {
 namespace {
 
 RigidTransform LevelAt(double x, double y = 0.0, double yaw = 0.0) {
@@ -108,4 +108,4 @@ TEST(FlownPath, OfARobotThatHasNotBeenAnywhereIsEmpty) {
 }
 
 }  // namespace
-}  // namespace thalweg::controller
+}  // namespace thalweg
