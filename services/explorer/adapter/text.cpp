@@ -94,6 +94,9 @@ std::string PurposeText(const Plan& plan) {
       return fmt::format("{} to inspect {:.1f} m2 of surface",
                          plan.length < kTurning ? "turning" : fmt::format("going {:.1f} m", plan.length),
                          plan.inspects);
+    case Purpose::kGoBack:
+      return fmt::format("going back {:.1f} m the way it came, since the map shows no other way out",
+                         plan.length);
     case Purpose::kGoHome:
       return fmt::format("going home, {:.1f} m: {}", plan.length, OutcomeText(*plan.homeward));
     case Purpose::kGoTo:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -7,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/geometry/flown_path.h"
 #include "services/explorer/core/blind_look.h"
 #include "services/explorer/core/errand_planner.h"
 #include "services/explorer/core/explorer_options.h"
@@ -37,7 +39,7 @@ namespace thalweg::explorer {
 ///      Where the sensor had no depth, as at surfaces without texture, the reason says so.
 ///   6. End when no candidate is left, or the strategy finds none worth its path and little is left
 ///      (TargetChooser). The end counts as complete unless too much of the border of free space was looked at
-///      in vain. A robot that is shut in first tries to get out.
+///      in vain. A robot that is shut in first tries to get out, and in the end goes back the way it came.
 ///
 /// A robot that knows no free space around it turns on the spot until it sees some. A driving robot explores
 /// the band of heights that its body sweeps (PlanningMap) and turns about the vertical axis only. One that
@@ -56,7 +58,10 @@ class Explorer {
   /// Applies map changes and the scans that caused them.
   void Update(std::span<const VoxelChange> changes, std::span<const ScanView> scans, Time now);
   /// Updates the robot's position, which adds to the distance traveled.
-  void Move(const RigidTransform& T_WB) { mission_.Move(T_WB.translation()); }
+  void Move(const RigidTransform& T_WB) {
+    mission_.Move(T_WB.translation());
+    came_.Note(T_WB);
+  }
 
   /// Whether the map knows free space at the robot. Without it there is nothing to decide yet.
   bool KnowsPlace(const RigidTransform& T_WB) const { return knowledge_.KnowsPlace(T_WB); }
@@ -177,6 +182,10 @@ class Explorer {
   /// The path out of the no-go boxes that the robot stands in; an ending when there is none.
   Task LeaveNoGo(const RigidTransform& T_WB);
   Task GoHome(const RigidTransform& T_WB) const;
+  /// Goes back the way the robot came to where it can go on (WayBack); nothing if it cannot, has
+  /// tried twice without getting there, or turns only in curves.
+  std::optional<Task> GoBack(const RigidTransform& T_WB,
+                             const std::function<bool(const VoxelIndex&)>& leads_on) const;
   Task LookForSpace(const RigidTransform& T_WB);
   /// The kept plan, if it is still valid.
   std::optional<Task> ResumeAfterTurn(const RigidTransform& T_WB);
@@ -186,12 +195,14 @@ class Explorer {
   Options options_;
   Knowledge knowledge_;
   Mission mission_;
+  FlownPath came_;  ///< The way by which the robot came.
   TargetChooser targets_;
   ErrandPlanner errands_;
   BlindLook blind_look_;
   NoGoBoxes no_go_;
   RememberedAsides asides_;
-  bool map_is_new_ = false;  ///< The next update is a whole map.
+  int failed_to_go_back_ = 0;  ///< In a row.
+  bool map_is_new_ = false;    ///< The next update is a whole map.
   Task task_;
   /// To where the plan being made begins; empty if the robot is there.
   std::optional<TaskMaker::Lead> lead_;

@@ -19,6 +19,7 @@ enum class Purpose : std::uint8_t {
   kTakeView,       ///< Go, or turn, to look at the surface, for a strategy that goes by views.
   kInspect,        ///< Go, or turn, to see surface from near and squarely enough.
   kWatchShutWay,   ///< Go, or turn, to see whether a way that was open is open again.
+  kGoBack,         ///< Go back the way the robot came, because it is shut in.
   kGoHome,
   kGoTo,       ///< Go where an operator sent the robot.
   kLookAt,     ///< Look where an operator pointed.

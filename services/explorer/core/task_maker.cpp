@@ -20,6 +20,7 @@ constexpr double kOnTheSpot = 1e-3;  // [m] Length of a path on which the robot 
 /// Whether a task is carried out only where the robot looks in its direction at the end.
 bool NeedsOrientation(Purpose purpose) {
   switch (purpose) {
+    case Purpose::kGoBack:
     case Purpose::kGoHome:
     case Purpose::kGoTo:
     case Purpose::kLeaveNoGo:

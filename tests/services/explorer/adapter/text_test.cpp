@@ -146,6 +146,14 @@ TEST(PlanText, OfAWayThatIsShutSaysWhereItIs) {
   EXPECT_EQ(PlanText(plan, 5.0), "watching a way that was open and is shut at (3.05, 1.00, 0.50)");
 }
 
+TEST(PlanText, OfARobotThatGoesBackSaysWhy) {
+  Plan plan;
+  plan.kind = Plan::Kind::kGo;
+  plan.purpose = Purpose::kGoBack;
+  plan.length = 1.25;
+  EXPECT_EQ(PlanText(plan, 5.0), "going back 1.2 m the way it came, since the map shows no other way out");
+}
+
 TEST(PlanText, OfAnInspectionSaysHowMuch) {
   Plan plan;
   plan.kind = Plan::Kind::kGo;

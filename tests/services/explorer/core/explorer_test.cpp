@@ -20,6 +20,8 @@ using ExplorerTest = test::ChoosingExplorer;
 using test::kHere;
 using test::kStart;
 
+constexpr VoxelBox kHole{{16, 5, 5}, {18, 8, 8}};
+
 INSTANTIATE_TEST_SUITE_P(Strategies, ExplorerTest, testing::ValuesIn(test::ChoosingStrategies()),
                          [](const auto& its) { return std::string(its.param); });
 
@@ -89,6 +91,63 @@ TEST_P(ExplorerTest, ARobotThatIsShutInSaysThatNothingIsReachable) {
   const Plan plan = explorer.MakePlan(test::At(0.6, 0.6, 0.6), kStart);
   EXPECT_EQ(plan.kind, Plan::Kind::kDone);
   EXPECT_EQ(test::EndOf(plan), Outcome::kNothingReachable);
+}
+
+/// The long room with a wall across it, in which there is a hole of 0.3 m.
+std::vector<VoxelChange> CellAndRoom() {
+  std::vector<VoxelChange> changes = test::LongRoom();
+  for (const VoxelChange& wall : test::BoxOf({{16, 0, 0}, {18, 12, 12}}, VoxelState::kOccupied))
+    changes.push_back(wall);
+  for (const VoxelChange& hole : test::BoxOf(kHole, VoxelState::kFree)) changes.push_back(hole);
+  return changes;
+}
+
+/// From the room through the middle of the hole into the cell, where the robot does not fit through it any
+/// more with its margin.
+void ComeIn(Explorer& explorer) {
+  for (double x = 3.05; x > 0.5; x -= 0.1) explorer.Move(test::At(x, 0.65, 0.65));
+}
+
+TEST_P(ExplorerTest, ARobotThatIsShutInGoesBackTheWayItCame) {
+  options_.safety_margin = 0.1;
+  Explorer explorer = With(options_, CellAndRoom());
+  ComeIn(explorer);
+  const Plan plan = explorer.MakePlan(kHere, kStart);
+  EXPECT_EQ(plan.kind, Plan::Kind::kGo);
+  ASSERT_EQ(plan.purpose, Purpose::kGoBack);
+  EXPECT_NEAR(plan.T_WBs.back().translation().x(), 2.0, 0.1);
+  EXPECT_FALSE(explorer.CheckPlan(kHere));
+
+  const Plan there = explorer.MakePlan(plan.T_WBs.back(), kStart);
+  EXPECT_EQ(there.purpose, Purpose::kSeeFrontier) << "which it can reach from there";
+
+  explorer.Update(test::BoxOf(kHole, VoxelState::kOccupied), {}, kStart);
+  EXPECT_EQ(test::EndOf(explorer.MakePlan(kHere, kStart)), Outcome::kNothingReachable) << "shut since";
+}
+
+TEST_P(ExplorerTest, ARobotThatCannotGoBackEndsAfterTheSecondTry) {
+  options_.safety_margin = 0.1;
+  Explorer explorer = With(options_, CellAndRoom());
+  ComeIn(explorer);
+  for (int n = 0; n < 2; ++n) {
+    ASSERT_EQ(explorer.MakePlan(kHere, kStart).purpose, Purpose::kGoBack);
+    explorer.DidNotGetThere(kStart);
+  }
+  EXPECT_EQ(test::EndOf(explorer.MakePlan(kHere, kStart)), Outcome::kNothingReachable);
+}
+
+TEST_P(ExplorerTest, ARobotOnItsWayHomeThatIsShutInGoesBackTheWayItCame) {
+  options_.safety_margin = 0.1;
+  options_.return_home = true;
+  Explorer explorer = With(options_, test::LongRoom());
+  explorer.MakePlan(test::At(3.05, 0.65, 0.65), kStart);
+  ComeIn(explorer);
+  ASSERT_FALSE(explorer.SendHome(kHere));
+  explorer.Update(CellAndRoom(), {}, kStart);
+  EXPECT_EQ(explorer.MakePlan(kHere, kStart).purpose, Purpose::kGoBack);
+
+  explorer.Update(test::BoxOf(kHole, VoxelState::kOccupied), {}, kStart);
+  EXPECT_EQ(test::EndOf(explorer.MakePlan(kHere, kStart)), Outcome::kNoPathHome);
 }
 
 TEST_P(ExplorerTest, ARobotThatDrivesWithItsBodyInTheFloorSaysThatNothingIsReachable) {
