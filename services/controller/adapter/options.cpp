@@ -6,6 +6,7 @@
 #include "common/base/text.h"
 #include "common/scenario/models.h"
 #include "common/scenario/option_binding.h"
+#include "services/controller/core/braking_time.h"
 
 namespace thalweg::controller {
 
@@ -54,10 +55,8 @@ std::vector<Mistake> MistakesIn(const Scenario& scenario) {
                         .other = silence});
   }
   // A robot with limited jerk takes longer to stop. Paths are repeated ten times a second, and come late.
-  const double braking = std::max(options.robot.max_speed / options.robot.max_acceleration,
-                                  options.robot.greatest_turn_rate() / options.robot.max_turn_acceleration);
-  const double stop = braking / options.emergency_factor + options.robot.smoothing() + 2.0 / controller.rate +
-                      std::max(0.1, options.delay);
+  const double stop = BrakingTime(options.robot) / options.emergency_factor + options.robot.smoothing() +
+                      2.0 / controller.rate + std::max(0.1, options.delay);
   if (options.robot.smoothing() > 0.0 && options.silence < stop) {
     const FieldPath jerk = PathOf("robot", "max_jerk_mps3");
     mistakes.push_back({.field = PathOf("controller", "silence_s"),

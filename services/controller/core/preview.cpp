@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/controller/core/braking_time.h"
 #include "services/controller/core/path_follower.h"
 
 namespace thalweg::controller {
@@ -34,10 +35,7 @@ std::vector<TrajectoryPoint> PathFollower::Preview(double step, double horizon) 
   ahead.previews_ = true;
   if (!Lost(*last_step_)) ahead.lost_.reset();
   std::vector<TrajectoryPoint> moments{ahead.Moment(0.0)};
-  const double longest_brake =
-      std::max(options_.robot.max_speed / options_.robot.max_acceleration,
-               options_.robot.greatest_turn_rate() / options_.robot.max_turn_acceleration) +
-      options_.robot.smoothing();
+  const double longest_brake = BrakingTime(options_.robot) + options_.robot.smoothing();
   bool ends = false;
   bool stands = false;
   while (!stands && moments.back().time < horizon + longest_brake + 1.0) {
