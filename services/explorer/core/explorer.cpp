@@ -10,15 +10,12 @@
 #include "common/geometry/point_text.h"
 #include "services/explorer/core/aftermath.h"
 #include "services/explorer/core/no_go_paths.h"
-#include "services/explorer/core/path/shut_in.h"
-#include "services/explorer/core/path/way_back.h"
 #include "services/explorer/core/turn_price.h"
 
 namespace thalweg::explorer {
 namespace {
 
 constexpr double kSamePosition = 0.05;  // [m]
-constexpr int kTriesToGoBack = 2;       // without getting there
 // A decision that took long makes those after it expect as much, each a little less.
 constexpr double kFade = 0.9;
 // [s] From odometry to here and from here to the controller, and what one decision takes longer than the
@@ -49,6 +46,7 @@ Explorer::Explorer(const Options& options)
     : options_(Checked(options)),
       knowledge_(KnowledgeOptions(options_)),
       mission_(MissionOptions(options_)),
+      going_back_(options_.robot),
       targets_(options_, knowledge_),
       errands_(options_),
       no_go_(NoGoOptions(options_)),
@@ -110,13 +108,11 @@ void Explorer::Arrived(Time now, const CameraView* seen) {
   // Whoever turned to a passage is still on the way.
   if (seen != nullptr && task_.plan.purpose == Purpose::kTakeView && !task_.plan.faces_passage_first)
     targets_.strategy().See(*seen);
-  if (task_.plan.purpose == Purpose::kGoBack) failed_to_go_back_ = 0;
   RememberArrival(task_, knowledge_, now);
   task_.DropTarget();
 }
 
 void Explorer::DidNotGetThere(Time now) {
-  if (task_.plan.purpose == Purpose::kGoBack) ++failed_to_go_back_;
   RememberFailure(task_, knowledge_, now);
   task_.DropTarget();
 }
@@ -271,16 +267,9 @@ Task Explorer::Explore(const RigidTransform& T_WB, Time now) {
         has_left_start_ ? VoxelsOfArea(options_.look_around_min_area, map().voxel_size()) : 1;
     if (std::optional<Task> look = maker().LookAround(T_WB, enough)) return *std::move(look);
   }
-  Task task = targets_.Choose(T_WB, now, maker(), mission_, knowledge_, timings_);
+  Task task = targets_.Choose(T_WB, now, maker(), mission_, knowledge_, going_back_, timings_);
   if (!task.plan.ending) has_left_start_ = true;
-  if (!task.plan.ending || !task.plan.ending->shut_in) return task;
-  PathSearch search;
-  std::optional<Task> back = GoBack(T_WB, [&](const VoxelIndex& i) {
-    if (search.Reached(i)) return false;  // from a place that did not lead on
-    search.Flood(map(), {{i, 0}});
-    return !IsShutIn(map(), search);
-  });
-  return back ? *std::move(back) : task;
+  return task;
 }
 
 Plan Explorer::FinishPlan(Task task, double milliseconds) {
@@ -325,32 +314,19 @@ Task Explorer::LookForSpace(const RigidTransform& T_WB) {
   return turn ? *std::move(turn) : Ended(Outcome::kNoFreeSpace);
 }
 
-Task Explorer::GoHome(const RigidTransform& T_WB) const {
+Task Explorer::GoHome(const RigidTransform& T_WB) {
   const Eigen::Vector3d p_W = T_WB.translation();
   if (std::optional<Ending> ending = mission_.EndingAtHome(p_W)) return Ended(*std::move(ending));
   const std::vector<Eigen::Vector3d> path_W = mission_.home_paths().PathFrom(map(), p_W);
+  std::optional<Task> task;
   if (path_W.empty()) {
-    std::optional<Task> back = GoBack(T_WB, [&](const VoxelIndex& i) {
-      return mission_.home_paths().LengthFrom(map(), map().CenterOf(i)).has_value();
-    });
-    return back ? *std::move(back) : Ended(Outcome::kNoPathHome);
+    task = going_back_.ToPathHome(T_WB, map(), mission_.home_paths(), maker());
+  } else {
+    going_back_.GoesOn();
+    task = maker().Follow(Purpose::kGoHome, maker().Smoothed(path_W), T_WB.linear(), T_WB);
+    if (task) task->plan.target_W = *mission_.home_paths().home_W();
   }
-  std::optional<Task> task = maker().Follow(Purpose::kGoHome, maker().Smoothed(path_W), T_WB.linear(), T_WB);
-  if (!task) return Ended(Outcome::kNoPathHome);
-  task->plan.target_W = *mission_.home_paths().home_W();
-  return *std::move(task);
-}
-
-std::optional<Task> Explorer::GoBack(const RigidTransform& T_WB,
-                                     const std::function<bool(const VoxelIndex&)>& leads_on) const {
-  if (!options_.robot.turns_on_the_spot() || failed_to_go_back_ == kTriesToGoBack) return std::nullopt;
-  const std::vector<RigidTransform> T_WBs = came_.BackTo(came_.begin());
-  const std::vector<Eigen::Vector3d> path_W =
-      WayBack(map(), T_WB.translation(), T_WBs, options_.robot.radius, leads_on);
-  if (path_W.empty()) return std::nullopt;
-  std::optional<Task> task = maker().Follow(Purpose::kGoBack, path_W, T_WB.linear(), T_WB);
-  if (task) task->plan.target_W = path_W.back();
-  return task;
+  return task ? *std::move(task) : Ended(Outcome::kNoPathHome);
 }
 
 Task Explorer::LeaveNoGo(const RigidTransform& T_WB) {
@@ -408,7 +384,7 @@ void Explorer::TakeOverFrom(const Explorer& other) {
   asides_ = other.asides_;
   mission_ = other.mission_;
   mission_.ForgetPaths();
-  came_ = other.came_;
+  going_back_ = other.going_back_;
   plans_ = other.plans_;
   timings_ = other.timings_;
   targets_.TakeOverFrom(other.targets_, knowledge_);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -8,11 +7,11 @@
 #include <string_view>
 #include <vector>
 
-#include "common/geometry/flown_path.h"
 #include "services/explorer/core/blind_look.h"
 #include "services/explorer/core/errand_planner.h"
 #include "services/explorer/core/explorer_options.h"
 #include "services/explorer/core/frontier_report.h"
+#include "services/explorer/core/going_back.h"
 #include "services/explorer/core/knowledge.h"
 #include "services/explorer/core/mission.h"
 #include "services/explorer/core/no_go_boxes.h"
@@ -60,7 +59,7 @@ class Explorer {
   /// Updates the robot's position, which adds to the distance traveled.
   void Move(const RigidTransform& T_WB) {
     mission_.Move(T_WB.translation());
-    came_.Note(T_WB);
+    going_back_.Move(T_WB);
   }
 
   /// Whether the map knows free space at the robot. Without it there is nothing to decide yet.
@@ -181,11 +180,7 @@ class Explorer {
   Plan FinishPlan(Task task, double milliseconds);
   /// The path out of the no-go boxes that the robot stands in; an ending when there is none.
   Task LeaveNoGo(const RigidTransform& T_WB);
-  Task GoHome(const RigidTransform& T_WB) const;
-  /// Goes back the way the robot came to where it can go on (WayBack); nothing if it cannot, has
-  /// tried twice without getting there, or turns only in curves.
-  std::optional<Task> GoBack(const RigidTransform& T_WB,
-                             const std::function<bool(const VoxelIndex&)>& leads_on) const;
+  Task GoHome(const RigidTransform& T_WB);
   Task LookForSpace(const RigidTransform& T_WB);
   /// The kept plan, if it is still valid.
   std::optional<Task> ResumeAfterTurn(const RigidTransform& T_WB);
@@ -195,14 +190,13 @@ class Explorer {
   Options options_;
   Knowledge knowledge_;
   Mission mission_;
-  FlownPath came_;  ///< The way by which the robot came.
+  GoingBack going_back_;
   TargetChooser targets_;
   ErrandPlanner errands_;
   BlindLook blind_look_;
   NoGoBoxes no_go_;
   RememberedAsides asides_;
-  int failed_to_go_back_ = 0;  ///< In a row.
-  bool map_is_new_ = false;    ///< The next update is a whole map.
+  bool map_is_new_ = false;  ///< The next update is a whole map.
   Task task_;
   /// To where the plan being made begins; empty if the robot is there.
   std::optional<TaskMaker::Lead> lead_;

@@ -25,7 +25,8 @@ struct LoopRules {
   /// the end of a path to where a strategy takes a view.
   bool face_target = true;
   bool wait_at_shut_ways = true;  ///< Watches a way that was open and is shut before the end.
-  /// Before the end, goes through gaps that are wide enough, but have no voxel's center in their middle.
+  /// Before the end, goes through gaps that are wide enough, but have no voxel's center in their middle, and
+  /// back through those by which it came.
   bool go_tight_ways = true;
 };
 

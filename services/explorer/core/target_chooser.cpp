@@ -93,9 +93,12 @@ void TargetChooser::Use(ConfiguredStrategy strategy, Knowledge& knowledge) {
 }
 
 Task TargetChooser::Choose(const RigidTransform& T_WB, Time now, const TaskMaker& make,
-                           const Mission& mission, Knowledge& knowledge, StageTimings& timings) {
+                           const Mission& mission, Knowledge& knowledge, GoingBack& going_back,
+                           StageTimings& timings) {
   knowledge.Occupy(T_WB.translation());
-  return ChooseAt({T_WB, now, make, mission, knowledge, timings});
+  Task task = ChooseAt({T_WB, now, make, mission, knowledge, going_back, timings});
+  if (!task.plan.ending && task.plan.purpose != Purpose::kGoBack) going_back.GoesOn();
+  return task;
 }
 
 Task TargetChooser::ChooseAt(Moment moment) {
@@ -170,6 +173,8 @@ Task TargetChooser::DecideWithoutCandidates(const Moment& moment) {
     std::optional<Task> task = LookAtBar(search_.FindHidden(moment.knowledge).bars, moment);
     if (!task) task = WatchShutWay(FindShutWays(moment), moment);
     if (!task) task = GoTightWay(FindTightWays(moment), moment);
+    if (!task && options_.loop.go_tight_ways)
+      task = moment.going_back.ToMostOfSpace(moment.T_WB, moment.map(), moment.make);
     return task ? *std::move(task) : EndedShutIn(moment);
   }
   return EndOrLookAtBar(moment);

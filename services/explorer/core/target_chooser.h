@@ -10,6 +10,7 @@
 #include "services/explorer/core/candidate_search.h"
 #include "services/explorer/core/errand_planner.h"
 #include "services/explorer/core/explorer_options.h"
+#include "services/explorer/core/going_back.h"
 #include "services/explorer/core/knowledge.h"
 #include "services/explorer/core/mission.h"
 #include "services/explorer/core/shut_ways.h"
@@ -26,8 +27,8 @@ namespace thalweg::explorer {
 /// exploration to be complete because unknown space bars the path that the robot looked into in vain or sees
 /// little of, it looks at the nearest of that from near. Where a way is shut that was open, it watches that
 /// for a while before the end (ShutWays). Where gaps that only fit between voxels lead to more, it goes
-/// through them (FindTightWays). What a robot that turns only in curves has no room to turn to is set aside,
-/// and it chooses again.
+/// through them (FindTightWays). One that is shut in all the same goes back the way it came (GoingBack). What
+/// a robot that turns only in curves has no room to turn to is set aside, and it chooses again.
 ///
 /// It ends at once where the strategy says that it does not apply, and a strategy that goes by views says
 /// itself when it has come to its end.
@@ -49,7 +50,7 @@ class TargetChooser {
 
   /// @param make  For the same robot and map.
   Task Choose(const RigidTransform& T_WB, Time now, const TaskMaker& make, const Mission& mission,
-              Knowledge& knowledge, StageTimings& timings);
+              Knowledge& knowledge, GoingBack& going_back, StageTimings& timings);
 
   /// The candidates of the last choice, and the space that was found reachable.
   const CandidateSearch& search() const { return search_; }
@@ -71,6 +72,7 @@ class TargetChooser {
     const TaskMaker& make;
     const Mission& mission;
     Knowledge& knowledge;
+    GoingBack& going_back;
     StageTimings& timings;
     bool finds_itself = false;            ///< Whether the strategy finds its frontiers itself.
     std::optional<Budget> dropped_for{};  ///< The budget for which candidates were left out, if any.

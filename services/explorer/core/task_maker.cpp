@@ -127,7 +127,10 @@ std::optional<Task> TaskMaker::Follow(Purpose purpose, const std::vector<Eigen::
   task.plan.kind = Plan::Kind::kGo;
   task.plan.purpose = purpose;
   task.plan.length = PathLength(path_W);
-  if (const std::vector<Eigen::Vector3d> swung_W = Swung(path_W); !swung_W.empty()) {
+  // What leads back the way it came is too narrow to be bent.
+  const bool bends = purpose != Purpose::kGoBack;
+  const std::vector<Eigen::Vector3d> swung_W = bends ? Swung(path_W) : std::vector<Eigen::Vector3d>();
+  if (!swung_W.empty()) {
     FacedPath faced = Faced(purpose, InPlane(swung_W), R_WB, lead_->hears.T_WB);
     if (!faced.turn_first) {
       task.lead_poses = lead_->hears.pose + 1;
@@ -135,8 +138,8 @@ std::optional<Task> TaskMaker::Follow(Purpose purpose, const std::vector<Eigen::
       return task;
     }
   }
-  const bool in_flight = options_.minimize == Minimize::kTime;
-  const std::vector<Eigen::Vector3d> points_W = InPlane(in_flight ? InCurves(path_W) : path_W);
+  const bool curves = bends && options_.minimize == Minimize::kTime;
+  const std::vector<Eigen::Vector3d> points_W = InPlane(curves ? InCurves(path_W) : path_W);
   task.Follow(Faced(purpose, points_W, R_WB, T_WB), map, options_.least_clearance());
   return task;
 }

@@ -1,55 +1,76 @@
 #include "services/explorer/core/path/way_back.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "services/explorer/core/path/path_comfort.h"
+#include "services/explorer/core/path/shut_in.h"
 
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kStep = 0.5;          // [voxels] Between places that are examined.
-constexpr double kOffTheTrack = 2.0;   // [voxels] The way leads at most so far beside that by which it came,
+constexpr double kTrackStep = 0.5;     // [voxels] Between places of a track.
+constexpr double kOffTheTrack = 1.0;   // [voxels] A way leads at most so far beside it,
 constexpr double kOffTheWalls = 1.0;   // [voxels] and is wider by this, where it can be.
 constexpr double kJustTouches = 1e-6;  // [m]
 
-/// The way by which the robot came, back to the center of the first voxel from which it can go on; empty if
-/// there is none.
+/// Whether the body touches nothing on the path that it does not touch where that begins.
+bool Fits(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W, double radius) {
+  for (std::size_t n = 1; n < path_W.size(); ++n) {
+    if (!map.ClearToLeave(path_W[n - 1], path_W[n], PlanningMap::Obstacles::kOccupiedAndUnknown,
+                          radius - kJustTouches))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 std::vector<Eigen::Vector3d> TrackBack(const PlanningMap& map, const Eigen::Vector3d& p_W,
-                                       std::span<const RigidTransform> came,
-                                       const std::function<bool(const VoxelIndex&)>& leads_on) {
+                                       std::span<const RigidTransform> came) {
   std::vector<Eigen::Vector3d> track_W = {p_W};
   for (const RigidTransform& T_WB : came) {
     Eigen::Vector3d to_W = T_WB.translation();
     if (map.plane()) to_W.z() = *map.plane();
     const Eigen::Vector3d from_W = track_W.back();
-    const int steps = static_cast<int>(std::ceil((to_W - from_W).norm() / (kStep * map.voxel_size())));
-    for (int n = 1; n <= steps; ++n) {
-      track_W.push_back(from_W + (to_W - from_W) * n / steps);
-      const VoxelIndex here = map.IndexOf(track_W.back());
-      if (!map.Traversable(here) || !leads_on(here)) continue;
-      track_W.push_back(map.CenterOf(here));
-      return track_W;
-    }
+    const int steps = static_cast<int>(std::ceil((to_W - from_W).norm() / (kTrackStep * map.voxel_size())));
+    for (int n = 1; n <= steps; ++n) track_W.push_back(from_W + (to_W - from_W) * n / steps);
   }
-  return {};
+  return track_W;
 }
 
-}  // namespace
-
-std::vector<Eigen::Vector3d> WayBack(const PlanningMap& map, const Eigen::Vector3d& p_W,
-                                     std::span<const RigidTransform> came, double radius,
-                                     const std::function<bool(const VoxelIndex&)>& leads_on) {
-  const std::vector<Eigen::Vector3d> track_W = TrackBack(map, p_W, came, leads_on);
-  if (track_W.empty()) return {};
-  std::vector<Eigen::Vector3d> path_W =
-      FindWiderPath(map, track_W, radius,
-                    {.distance = kOffTheWalls * map.voxel_size(), .reach = kOffTheTrack * map.voxel_size()});
-  // Where the robot stands too near to something, the path begins as the track does, whatever is in its way.
-  for (std::size_t n = 1; n < path_W.size(); ++n) {
-    if (!map.ClearToLeave(path_W[n - 1], path_W[n], PlanningMap::Obstacles::kOccupied, radius - kJustTouches))
-      return {};
+std::optional<PathSearch> MostOfSpaceOn(const std::vector<Eigen::Vector3d>& track_W, const PlanningMap& map) {
+  DenseGrid<std::uint8_t> met(map.box(), 0);
+  PathSearch search;
+  for (const Eigen::Vector3d& p_W : track_W) {
+    const VoxelIndex here = map.IndexOf(p_W);
+    if (!map.Traversable(here) || met[here] != 0) continue;
+    search.Flood(map, {{here, 0}});
+    if (!IsShutIn(map, search)) return search;
+    const DenseGrid<std::uint32_t>& costs = search.costs();
+    for (std::size_t k = 0; k < costs.size(); ++k) {
+      if (costs.data()[k] != PathSearch::kUnreached) met.data()[k] = 1;
+    }
   }
-  return path_W;
+  return std::nullopt;
+}
+
+std::vector<Eigen::Vector3d> WayBack(const PlanningMap& map, const std::vector<Eigen::Vector3d>& track_W,
+                                     double radius, const std::function<bool(const VoxelIndex&)>& leads_on) {
+  const auto place = std::ranges::find_if(track_W, [&](const Eigen::Vector3d& p_W) {
+    const VoxelIndex i = map.IndexOf(p_W);
+    return map.Traversable(i) && leads_on(i);
+  });
+  if (place == track_W.end()) return {};
+  std::vector<Eigen::Vector3d> way_W(track_W.begin(), place + 1);
+  way_W.push_back(map.CenterOf(map.IndexOf(*place)));
+  if (Fits(map, way_W, radius)) return PullStraight(map, way_W, map.options().clearance);
+  const std::vector<Eigen::Vector3d> beside_W =
+      FindWiderPath(map.WithClearance(radius), way_W, radius,
+                    {.distance = kOffTheWalls * map.voxel_size(), .reach = kOffTheTrack * map.voxel_size()});
+  // Where the robot stands too near to something, the path begins as the track does.
+  return Fits(map, beside_W, radius) ? beside_W : std::vector<Eigen::Vector3d>();
 }
 
 }  // namespace thalweg::explorer

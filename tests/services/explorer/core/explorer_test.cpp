@@ -125,14 +125,20 @@ TEST_P(ExplorerTest, ARobotThatIsShutInGoesBackTheWayItCame) {
   EXPECT_EQ(test::EndOf(explorer.MakePlan(kHere, kStart)), Outcome::kNothingReachable) << "shut since";
 }
 
-TEST_P(ExplorerTest, ARobotThatCannotGoBackEndsAfterTheSecondTry) {
+TEST_P(ExplorerTest, ARobotThatComesNoNearerOnItsWayBackGivesUp) {
   options_.safety_margin = 0.1;
   Explorer explorer = With(options_, CellAndRoom());
   ComeIn(explorer);
-  for (int n = 0; n < 2; ++n) {
-    ASSERT_EQ(explorer.MakePlan(kHere, kStart).purpose, Purpose::kGoBack);
-    explorer.DidNotGetThere(kStart);
-  }
+  for (const double x : {0.55, 0.65, 0.75, 0.75, 0.75})
+    ASSERT_EQ(explorer.MakePlan(test::At(x, 0.65, 0.65), kStart).purpose, Purpose::kGoBack) << x;
+  EXPECT_EQ(test::EndOf(explorer.MakePlan(test::At(0.75, 0.65, 0.65), kStart)), Outcome::kNothingReachable);
+}
+
+TEST_P(ExplorerTest, InThePrintedLoopNobodyGoesBack) {
+  options_.safety_margin = 0.1;
+  options_.loop.go_tight_ways = false;
+  Explorer explorer = With(options_, CellAndRoom());
+  ComeIn(explorer);
   EXPECT_EQ(test::EndOf(explorer.MakePlan(kHere, kStart)), Outcome::kNothingReachable);
 }
 

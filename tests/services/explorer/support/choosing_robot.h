@@ -56,13 +56,15 @@ struct ChoosingRobot {
     mission.FindPathsHome(knowledge.map(), T_WB.translation());
   }
   Task Choose(Time now = kStart) {
-    return chooser.Choose(T_WB, now, TaskMaker(options, knowledge, nullptr), mission, knowledge, timings);
+    return chooser.Choose(T_WB, now, TaskMaker(options, knowledge, nullptr), mission, knowledge, going_back,
+                          timings);
   }
 
   ExplorerOptions options;
   RigidTransform T_WB;
   Knowledge knowledge{KnowledgeOptions(options)};
   Mission mission{MissionOptions(options)};
+  GoingBack going_back{options.robot};
   TargetChooser chooser{options, knowledge};
   StageTimings timings;
 };

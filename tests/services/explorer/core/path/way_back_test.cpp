@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "common/geometry/polyline.h"
@@ -16,7 +18,6 @@ using Changes = std::vector<VoxelChange>;
 constexpr double kBody = 0.10;   // [m]
 constexpr double kNeeds = 0.20;  // [m] with its margin
 const Eigen::Vector3d kInTheCell{0.55, 0.65, 0.65};
-const auto kAnywhere = [](const VoxelIndex&) { return true; };
 const auto kInTheHall = [](const VoxelIndex& i) { return i.x >= 14; };
 
 void Fill(Changes& changes, const VoxelBox& box, VoxelState state) {
@@ -26,15 +27,19 @@ void Fill(Changes& changes, const VoxelBox& box, VoxelState state) {
 
 /// A cell and a hall, and between them a wall of 0.2 m with a hole of `edge` x `edge` voxels, of which the
 /// middle is that of voxel 6.
-PlanningMap CellAndHall(int edge, double clearance = kNeeds) {
+Changes CellAndHallChanges(int edge) {
   Changes changes;
   Fill(changes, {{-1, -1, -1}, {41, 14, 14}}, VoxelState::kOccupied);
   Fill(changes, {{0, 0, 0}, {12, 13, 13}}, VoxelState::kFree);
   Fill(changes, {{14, 0, 0}, {40, 13, 13}}, VoxelState::kFree);
   const int low = 6 - edge / 2;
   Fill(changes, {{12, low, low}, {14, low + edge, low + edge}}, VoxelState::kFree);
-  PlanningMap map({.voxel_size = kSize, .clearance = clearance, .bounds = {}});
-  map.Apply(changes);
+  return changes;
+}
+
+PlanningMap CellAndHall(int edge) {
+  PlanningMap map({.voxel_size = kSize, .clearance = kNeeds, .bounds = {}});
+  map.Apply(CellAndHallChanges(edge));
   return map;
 }
 
@@ -45,9 +50,14 @@ std::vector<RigidTransform> CameThrough() {
           MakeTransform(R_WB, {3.45, 0.45, 0.65})};
 }
 
+std::vector<Eigen::Vector3d> Back(const PlanningMap& map, const Eigen::Vector3d& p_W,
+                                  const std::vector<RigidTransform>& came,
+                                  const std::function<bool(const VoxelIndex&)>& leads_on) {
+  return WayBack(map, TrackBack(map, p_W, came), kBody, leads_on);
+}
+
 TEST(WayBack, LeadsThroughAPassageInWhichTheBodyFitsWithoutItsMargin) {
-  const std::vector<Eigen::Vector3d> path_W =
-      WayBack(CellAndHall(3), kInTheCell, CameThrough(), kBody, kInTheHall);
+  const std::vector<Eigen::Vector3d> path_W = Back(CellAndHall(3), kInTheCell, CameThrough(), kInTheHall);
   ASSERT_GE(path_W.size(), 2U);
   EXPECT_EQ(path_W.front(), kInTheCell);
   EXPECT_NEAR(path_W.back().x(), 1.6, 0.1) << "to the first place in the hall in which it fits with it";
@@ -55,8 +65,8 @@ TEST(WayBack, LeadsThroughAPassageInWhichTheBodyFitsWithoutItsMargin) {
 }
 
 TEST(WayBack, GoesOnToWhereTheRobotCanGoOn) {
-  const std::vector<Eigen::Vector3d> path_W = WayBack(CellAndHall(3), kInTheCell, CameThrough(), kBody,
-                                                      [](const VoxelIndex& i) { return i.x >= 30; });
+  const std::vector<Eigen::Vector3d> path_W =
+      Back(CellAndHall(3), kInTheCell, CameThrough(), [](const VoxelIndex& i) { return i.x >= 30; });
   ASSERT_FALSE(path_W.empty());
   EXPECT_NEAR(path_W.back().x(), 3.0, 0.1);
   EXPECT_NEAR(PathLength(path_W), 2.45, 0.1);
@@ -64,21 +74,20 @@ TEST(WayBack, GoesOnToWhereTheRobotCanGoOn) {
 
 TEST(WayBack, DoesNotExistWhereThePassageIsTooNarrowForTheBodyOrShut) {
   for (const int edge : {1, 0})
-    EXPECT_TRUE(WayBack(CellAndHall(edge), kInTheCell, CameThrough(), kBody, kInTheHall).empty()) << edge;
+    EXPECT_TRUE(Back(CellAndHall(edge), kInTheCell, CameThrough(), kInTheHall).empty()) << edge;
 }
 
 TEST(WayBack, DoesNotExistWhereNoPlaceLeadsOnOrTheRobotHasNotBeenAnywhere) {
   const PlanningMap map = CellAndHall(3);
-  EXPECT_TRUE(
-      WayBack(map, kInTheCell, CameThrough(), kBody, [](const VoxelIndex&) { return false; }).empty());
-  EXPECT_TRUE(WayBack(map, kInTheCell, {}, kBody, kAnywhere).empty());
+  EXPECT_TRUE(Back(map, kInTheCell, CameThrough(), [](const VoxelIndex&) { return false; }).empty());
+  EXPECT_TRUE(Back(map, kInTheCell, {}, kInTheHall).empty());
 }
 
 TEST(WayBack, LeadsBesideTheTrackWhereThatCameTooNear) {
   std::vector<RigidTransform> came = CameThrough();
-  came[1].translation().y() = 0.55;  // in the hole at 0.06 m from its side
+  came[1].translation().y() = 0.55;  // in the hole at less than 0.1 m from its side
   const PlanningMap map = CellAndHall(3);
-  const std::vector<Eigen::Vector3d> path_W = WayBack(map, kInTheCell, came, kBody, kInTheHall);
+  const std::vector<Eigen::Vector3d> path_W = Back(map, kInTheCell, came, kInTheHall);
   ASSERT_GE(path_W.size(), 2U);
   for (std::size_t n = 1; n < path_W.size(); ++n)
     EXPECT_GE(map.SegmentClearance(path_W[n - 1], path_W[n], PlanningMap::Obstacles::kOccupied, kNeeds),
@@ -88,7 +97,42 @@ TEST(WayBack, LeadsBesideTheTrackWhereThatCameTooNear) {
 TEST(WayBack, MayTouchWhatTheBodyTouchesWhereItStands) {
   // At 0.05 m from the wall of the cell; from there it moves away.
   const Eigen::Vector3d near_W{0.55, 0.05, 0.65};
-  EXPECT_FALSE(WayBack(CellAndHall(3), near_W, CameThrough(), kBody, kInTheHall).empty());
+  EXPECT_FALSE(Back(CellAndHall(3), near_W, CameThrough(), kInTheHall).empty());
+}
+
+TEST(WayBack, TouchesNothingElseWhereItBeginsAsTheTrackDoes) {
+  // Along the wall of the cell, where the body fits nowhere, and then to its middle.
+  const Eigen::Vector3d near_W{0.35, 0.05, 0.65};
+  std::vector<RigidTransform> came = CameThrough();
+  came.insert(came.begin(), MakeTransform(Eigen::Matrix3d::Identity(), {0.85, 0.05, 0.65}));
+  const VoxelBox wall{{0, -1, 0}, {12, 0, 13}};
+  for (const VoxelState state : {VoxelState::kOccupied, VoxelState::kUnknown}) {
+    PlanningMap map = CellAndHall(3);
+    map.Apply(test::BoxOf(wall, state));
+    EXPECT_TRUE(Back(map, near_W, came, kInTheHall).empty());
+  }
+}
+
+TEST(WayBack, OfADrivingRobotStaysInItsPlane) {
+  PlanningMap::Options options{.voxel_size = kSize, .clearance = kNeeds, .bounds = {}};
+  options.half_height = 0.1;
+  PlanningMap map(options);
+  map.SetPlane(0.65);
+  map.Apply(CellAndHallChanges(3));
+  std::vector<RigidTransform> came = CameThrough();
+  for (RigidTransform& T_WB : came) T_WB.translation().z() = 0.68;  // as its odometry says
+  const std::vector<Eigen::Vector3d> path_W = Back(map, kInTheCell, came, kInTheHall);
+  ASSERT_FALSE(path_W.empty());
+  for (const Eigen::Vector3d& p_W : path_W) EXPECT_NEAR(p_W.z(), 0.65, 0.051);
+}
+
+TEST(MostOfSpaceOn, IsFloodedFromThePartOfTheTrackThatLiesInIt) {
+  const PlanningMap map = CellAndHall(3);
+  const std::optional<PathSearch> most = MostOfSpaceOn(TrackBack(map, kInTheCell, CameThrough()), map);
+  ASSERT_TRUE(most);
+  EXPECT_TRUE(most->Reached({30, 6, 6}));
+  EXPECT_FALSE(most->Reached(map.IndexOf(kInTheCell)));
+  EXPECT_FALSE(MostOfSpaceOn({kInTheCell}, map)) << "the cell is less than half";
 }
 
 }  // namespace

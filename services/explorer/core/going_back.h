@@ -1,0 +1,43 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "common/geometry/flown_path.h"
+#include "common/geometry/robot_model.h"
+#include "services/explorer/core/mission.h"
+#include "services/explorer/core/task_maker.h"
+
+namespace thalweg::explorer {
+
+/// Leads a robot to which the map shows no way out back the way it came (WayBack). It gives up when three
+/// plans in a row have brought the robot no nearer. A robot that turns only in curves stays.
+/// Threading: one thread owns it.
+class GoingBack {
+ public:
+  explicit GoingBack(const RobotModel& robot) : robot_(robot) {}
+
+  void Move(const RigidTransform& T_WB) { came_.Note(T_WB); }
+  /// Takes note that the robot can go on.
+  void GoesOn();
+  /// To where it reaches most of the space in which it fits. @return Nothing if it cannot.
+  std::optional<Task> ToMostOfSpace(const RigidTransform& T_WB, const PlanningMap& map,
+                                    const TaskMaker& make);
+  /// To where there is a path home. @param home_paths  Found in that map. @return Nothing if it cannot.
+  std::optional<Task> ToPathHome(const RigidTransform& T_WB, const PlanningMap& map,
+                                 const HomePaths& home_paths, const TaskMaker& make);
+
+ private:
+  std::vector<Eigen::Vector3d> Track(const RigidTransform& T_WB, const PlanningMap& map) const;
+  std::optional<Task> To(const std::function<bool(const VoxelIndex&)>& leads_on,
+                         const std::vector<Eigen::Vector3d>& track_W, const RigidTransform& T_WB,
+                         const PlanningMap& map, const TaskMaker& make);
+  bool gives_up() const;
+
+  RobotModel robot_;
+  FlownPath came_;
+  std::optional<double> left_;  ///< [m] Least length of the path so far.
+  int in_vain_ = 0;             ///< Plans in a row that were no shorter.
+};
+
+}  // namespace thalweg::explorer
