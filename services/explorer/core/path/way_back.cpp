@@ -4,16 +4,41 @@
 #include <cmath>
 #include <cstdint>
 
-#include "services/explorer/core/path/path_comfort.h"
+#include "common/voxel/for_each_voxel.h"
 #include "services/explorer/core/path/shut_in.h"
 
 namespace thalweg::explorer {
 namespace {
 
 constexpr double kTrackStep = 0.5;     // [voxels] Between places of a track.
-constexpr double kOffTheTrack = 1.0;   // [voxels] A way leads at most so far beside it,
-constexpr double kOffTheWalls = 1.0;   // [voxels] and is wider by this, where it can be.
+constexpr double kMostAside = 0.5;     // [voxels] That a way leads beside it,
+constexpr double kAsideStep = 0.05;    // [voxels] and by how much at least.
+constexpr double kSpare = 0.05;        // [voxels]
 constexpr double kJustTouches = 1e-6;  // [m]
+
+/// The place nearest to one on the track at which the body fits with a little to spare for what lies between;
+/// that one if there is none.
+Eigen::Vector3d Fitting(const PlanningMap& map, const Eigen::Vector3d& p_W, double radius) {
+  const double wanted = radius + kSpare * map.voxel_size();
+  const auto fits = [&](const Eigen::Vector3d& at_W) {
+    return map.ClearanceAt(at_W, PlanningMap::Obstacles::kOccupiedAndUnknown, wanted) >= wanted;
+  };
+  if (fits(p_W)) return p_W;
+  const int up = map.plane() ? 0 : 1;
+  for (double aside = kAsideStep; aside <= kMostAside; aside += kAsideStep) {
+    std::optional<Eigen::Vector3d> found_W;
+    ForEachVoxel({{-1, -1, -up}, {2, 2, up + 1}}, [&](const VoxelIndex& i) {
+      const Eigen::Vector3d direction(i.x, i.y, i.z);
+      if (direction.isZero()) return true;
+      const Eigen::Vector3d at_W = p_W + aside * map.voxel_size() * direction.normalized();
+      if (!fits(at_W)) return true;
+      found_W = at_W;
+      return false;
+    });
+    if (found_W) return *found_W;
+  }
+  return p_W;
+}
 
 /// Whether the body touches nothing on the path that it does not touch where that begins.
 bool Fits(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W, double radius) {
@@ -65,12 +90,11 @@ std::vector<Eigen::Vector3d> WayBack(const PlanningMap& map, const std::vector<E
   if (place == track_W.end()) return {};
   std::vector<Eigen::Vector3d> way_W(track_W.begin(), place + 1);
   way_W.push_back(map.CenterOf(map.IndexOf(*place)));
-  if (Fits(map, way_W, radius)) return PullStraight(map, way_W, map.options().clearance);
-  const std::vector<Eigen::Vector3d> beside_W =
-      FindWiderPath(map.WithClearance(radius), way_W, radius,
-                    {.distance = kOffTheWalls * map.voxel_size(), .reach = kOffTheTrack * map.voxel_size()});
-  // Where the robot stands too near to something, the path begins as the track does.
-  return Fits(map, beside_W, radius) ? beside_W : std::vector<Eigen::Vector3d>();
+  if (!Fits(map, way_W, radius)) {
+    for (std::size_t n = 1; n < way_W.size(); ++n) way_W[n] = Fitting(map, way_W[n], radius);
+    if (!Fits(map, way_W, radius)) return {};
+  }
+  return PullStraight(map, way_W, map.options().clearance);
 }
 
 }  // namespace thalweg::explorer

@@ -26,8 +26,8 @@ std::optional<PathSearch> MostOfSpaceOn(const std::vector<Eigen::Vector3d>& trac
 /// The way back along a robot's track to the first place from which it can go on. For a robot to which the
 /// map shows no way out, because a passage is narrower in the map now than when the robot went through it: a
 /// surface shows up to one voxel nearer than it is. The robot fits there, so its margin need not. The body
-/// itself must, on its track or at most one voxel beside it, and touches nothing but what it touches where it
-/// stands: what has come into the way since, such as a closed door, bars it.
+/// itself must, on its track or as little beside it as can be, at most half a voxel, and touches nothing but
+/// what it touches where it stands: what has come into the way since, such as a closed door, bars it.
 /// @param track_W   [m] See TrackBack.
 /// @param radius    [m] of its body, without margin
 /// @param leads_on  Whether the robot can go on from a voxel that is traversable.

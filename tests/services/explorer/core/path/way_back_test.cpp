@@ -101,10 +101,10 @@ TEST(WayBack, MayTouchWhatTheBodyTouchesWhereItStands) {
 }
 
 TEST(WayBack, TouchesNothingElseWhereItBeginsAsTheTrackDoes) {
-  // Along the wall of the cell, where the body fits nowhere, and then to its middle.
-  const Eigen::Vector3d near_W{0.35, 0.05, 0.65};
+  // Along the wall of the cell, from which it would have to keep off by 0.08 m.
+  const Eigen::Vector3d near_W{0.35, 0.02, 0.65};
   std::vector<RigidTransform> came = CameThrough();
-  came.insert(came.begin(), MakeTransform(Eigen::Matrix3d::Identity(), {0.85, 0.05, 0.65}));
+  came.insert(came.begin(), MakeTransform(Eigen::Matrix3d::Identity(), {0.85, 0.02, 0.65}));
   const VoxelBox wall{{0, -1, 0}, {12, 0, 13}};
   for (const VoxelState state : {VoxelState::kOccupied, VoxelState::kUnknown}) {
     PlanningMap map = CellAndHall(3);
