@@ -26,6 +26,8 @@ struct ReplayArgs {
   NetworkArgs network;
   std::filesystem::path file;
   std::vector<std::string> remap;  ///< "A:=B"
+  /// [s] Matching takes up to 2.5 s on a good network. A topic that nobody reads must not hold up the others.
+  double wait = 3.0;
   recorder::PlayerOptions player;
 };
 
@@ -69,8 +71,7 @@ int Replay(ReplayArgs& args) {
   std::cout << "playing";
   for (const std::string& topic : player.topics()) std::cout << ' ' << CleanText(topic);
   std::cout << std::endl;
-  // Matching takes up to 2.5 s; a topic that nobody reads must not hold up the others.
-  player.AwaitReaders(2s);
+  player.AwaitReaders(FromSeconds(args.wait));
   {
     std::jthread keys;
     std::jthread progress;
@@ -99,6 +100,13 @@ void AddReplay(CLI::App& app, int& exit_code) {
   command->add_option("file", args->file, "Recording")->required();
   command->add_option("--rate", args->player.rate, "Seconds of the recording per second")
       ->check(NumberFrom(recorder::PlaybackClock::kSlowest, recorder::PlaybackClock::kFastest))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--wait", args->wait,
+          "[s] Wait this long for a reader of each topic, which would miss what is published before it "
+          "is found")
+      ->check(NumberFrom(0.0, 3600.0))
       ->capture_default_str();
   command->add_flag("--loop", args->player.loop, "Begin again at the end");
   command->add_flag(

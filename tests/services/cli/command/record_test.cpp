@@ -56,8 +56,9 @@ class RecordCommand : public testing::Test {
     dds::Bus bus(options);
     std::vector<std::string> heard;
     bus.Subscribe<Topic>([&](const auto& message) { heard.push_back(message.reason()); });
-    test::RunningProgram replay("thalweg", {"replay", Name(file), "--topics", Topic::kName, "--rate", "10"},
-                                Name("replay.txt"));
+    test::RunningProgram replay(
+        "thalweg", {"replay", Name(file), "--topics", Topic::kName, "--rate", "10", "--wait", "60"},
+        Name("replay.txt"));
     bus.EveryWall(std::chrono::milliseconds(10), [] {});
     bus.SpinUntil([&] { return replay.ended(); }, test::kPatience);
     EXPECT_EQ(replay.WaitForEnd(Duration(0)), 0);
