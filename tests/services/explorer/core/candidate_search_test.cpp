@@ -127,7 +127,7 @@ class BarredRoom : public testing::Test {
   /// @param wall  Occupied voxels within the unknown space.
   void Divide(const VoxelBox& wall, AsideReason near_side) {
     std::vector<VoxelChange> changes = test::RoomWithABar(20);
-    for (const VoxelChange& change : test::BoxOf(wall, VoxelState::kOccupied)) changes.push_back(change);
+    test::Fill(changes, wall, VoxelState::kOccupied);
     knowledge_ = test::Knowing(changes);
     SetAside(20, near_side);
     StageTimings timings;

@@ -19,8 +19,7 @@ constexpr VoxelBox kHall{{0, 0, 0}, {50, 30, 20}};
 /// A hall of 5 x 3 x 2 m with a wall across at x = 3 m that leaves a gap of 0.8 m at its end.
 std::vector<VoxelChange> DividedHall() {
   std::vector<VoxelChange> changes = test::ClosedRoom(kHall);
-  for (const VoxelChange& change : test::BoxOf({{30, 0, 0}, {31, 22, 20}}, VoxelState::kOccupied))
-    changes.push_back(change);
+  test::Fill(changes, {{30, 0, 0}, {31, 22, 20}}, VoxelState::kOccupied);
   return changes;
 }
 
@@ -176,8 +175,7 @@ TEST_F(ErrandPlannerTest, WhatCannotBeDoneIsRefusedWithItsReason) {
             "no place that the robot can reach is known to see (8.05, 1.05, 1.05)");
   options_.no_go = {{Eigen::Vector3d(1.5, 0.5, 0.5), Eigen::Vector3d(2.5, 1.5, 1.5)}};
   EXPECT_EQ(Refusal(GoTo({2.05, 1.05, 1.05})), "the goal (2.05, 1.05, 1.05) lies in a no-go box");
-  for (const VoxelChange& change : test::BoxOf({{30, 22, 0}, {31, 30, 20}}, VoxelState::kOccupied))
-    changes_.push_back(change);  // closes the gap
+  test::Fill(changes_, {{30, 22, 0}, {31, 30, 20}}, VoxelState::kOccupied);  // closes the gap
   EXPECT_EQ(Refusal(GoTo({4.55, 1.05, 1.05})), "no known path leads to (4.55, 1.05, 1.05)");
 }
 
@@ -214,8 +212,7 @@ TEST_F(ErrandPlannerTest, ATurnCostsNoneOfTheDistance) {
 }
 
 TEST_F(ErrandPlannerTest, TheRobotStandsInFreeSpaceWhateverTheMapSays) {
-  for (const VoxelChange& change : test::BoxOf({{5, 10, 10}, {6, 11, 11}}, VoxelState::kUnknown))
-    changes_.push_back(change);
+  test::Fill(changes_, {{5, 10, 10}, {6, 11, 11}}, VoxelState::kUnknown);
   Knowledge knowledge = Knowing();
   const VoxelIndex here = knowledge.map().IndexOf(T_WB_.translation());
   ASSERT_EQ(knowledge.map().State(here), VoxelState::kUnknown);

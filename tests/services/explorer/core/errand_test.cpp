@@ -19,8 +19,7 @@ constexpr VoxelBox kRoom{{0, 0, 0}, {40, 30, 12}};
 /// A room of 4 x 3 x 1.2 m with a wall across at x = 2 m that leaves a gap of 0.6 m at its end.
 std::vector<VoxelChange> DividedRoom(int gap = 6) {
   std::vector<VoxelChange> changes = test::ClosedRoom(kRoom);
-  for (const VoxelChange& change : test::BoxOf({{20, 0, 0}, {21, 30 - gap, 12}}, VoxelState::kOccupied))
-    changes.push_back(change);
+  test::Fill(changes, {{20, 0, 0}, {21, 30 - gap, 12}}, VoxelState::kOccupied);
   return changes;
 }
 
@@ -139,8 +138,7 @@ TEST_F(ErrandTest, WhatIsHiddenIsLookedAtFromAPlaceAboutAsNearToItAsAny) {
 
 TEST_F(ErrandTest, TheMiddleOfAFrontierIsLookedAtFromWhereTheFrontierIsSeen) {
   std::vector<VoxelChange> changes = DividedRoom();
-  for (const VoxelChange& change : test::BoxOf({{28, 10, 2}, {36, 18, 10}}, VoxelState::kUnknown))
-    changes.push_back(change);
+  test::Fill(changes, {{28, 10, 2}, {36, 18, 10}}, VoxelState::kUnknown);
   knowledge_ = test::Knowing(changes);
   const Eigen::Vector3d p_W(3.25, 1.45, 0.65);  // in the middle of what is unknown
   const auto found = LookAt(p_W);
@@ -165,8 +163,7 @@ TEST_F(ErrandTest, TheMiddleOfAFrontierIsLookedAtFromWhereTheFrontierIsSeen) {
 TEST_F(ErrandTest, AFrontierOnTheOtherSideOfAWallIsNotLookedAtInstead) {
   // A pocket before the wall across, and a point in the closed room behind it.
   std::vector<VoxelChange> changes = DividedRoom(/*gap=*/0);
-  for (const VoxelChange& change : test::BoxOf({{17, 4, 4}, {20, 7, 7}}, VoxelState::kUnknown))
-    changes.push_back(change);
+  test::Fill(changes, {{17, 4, 4}, {20, 7, 7}}, VoxelState::kUnknown);
   knowledge_ = test::Knowing(changes);
   EXPECT_TRUE(LookAt({1.85, 0.55, 0.55})) << "the pocket itself";
   EXPECT_FALSE(LookAt({2.25, 0.55, 0.55}));

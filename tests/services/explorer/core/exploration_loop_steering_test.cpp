@@ -322,8 +322,7 @@ TEST_F(Steering, LookAtTurnsTheCameraToThePointAndWaits) {
 TEST_F(Steering, LookAtGoesToWhereThePointCanBeSeen) {
   // A wall at 3 m that leaves a gap on the far side of the room: the point behind it is out of sight.
   std::vector<VoxelChange> map = test::LongRoom({{0, 0, 0}, {60, 24, 12}});
-  for (const VoxelChange& change : test::BoxOf({{30, 0, 0}, {31, 16, 12}}, VoxelState::kOccupied))
-    map.push_back(change);
+  test::Fill(map, {{30, 0, 0}, {31, 16, 12}}, VoxelState::kOccupied);
   Begin(map);
   const Eigen::Vector3d point_W(3.55, 0.05, 0.65);
   Accept(LookAt(point_W));

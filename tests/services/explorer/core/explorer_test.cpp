@@ -96,9 +96,8 @@ TEST_P(ExplorerTest, ARobotThatIsShutInSaysThatNothingIsReachable) {
 /// The long room with a wall across it, in which there is a hole of 0.3 m.
 std::vector<VoxelChange> CellAndRoom() {
   std::vector<VoxelChange> changes = test::LongRoom();
-  for (const VoxelChange& wall : test::BoxOf({{16, 0, 0}, {18, 12, 12}}, VoxelState::kOccupied))
-    changes.push_back(wall);
-  for (const VoxelChange& hole : test::BoxOf(kHole, VoxelState::kFree)) changes.push_back(hole);
+  test::Fill(changes, {{16, 0, 0}, {18, 12, 12}}, VoxelState::kOccupied);
+  test::Fill(changes, kHole, VoxelState::kFree);
   return changes;
 }
 
@@ -208,10 +207,8 @@ TEST_P(ExplorerTest, GoesToAFrontierAndFacesItAtTheEnd) {
 /// too far away to be seen from in front of it.
 std::vector<VoxelChange> RoomBehindAHole() {
   std::vector<VoxelChange> changes = test::LongRoom({{0, 0, 0}, {90, 12, 12}});
-  for (const VoxelChange& change : test::BoxOf({{30, 0, 0}, {31, 12, 12}}, VoxelState::kOccupied))
-    changes.push_back(change);
-  for (const VoxelChange& change : test::BoxOf({{30, 5, 5}, {31, 8, 8}}, VoxelState::kFree))
-    changes.push_back(change);
+  test::Fill(changes, {{30, 0, 0}, {31, 12, 12}}, VoxelState::kOccupied);
+  test::Fill(changes, {{30, 5, 5}, {31, 8, 8}}, VoxelState::kFree);
   return changes;
 }
 
@@ -321,8 +318,7 @@ TEST_P(ExplorerTest, ARobotThatDrivesLooksWithItsCameraOverWhatStopsIt) {
   options_.robot.height = 0.4;
   options_.robot.drives = true;
   std::vector<VoxelChange> changes = test::LongRoom();
-  for (const VoxelChange& change : test::BoxOf({{40, 0, 0}, {41, 12, 7}}, VoxelState::kOccupied))
-    changes.push_back(change);
+  test::Fill(changes, {{40, 0, 0}, {41, 12, 7}}, VoxelState::kOccupied);
   const RigidTransform here = test::At(0.55, 0.65, 0.38);
   for (const double camera_height : {0.0, 0.55}) {
     options_.robot.T_BC.translation().z() = camera_height;

@@ -27,10 +27,8 @@ class BeforeAHole : public TargetChooserTest {
   }
   static std::vector<VoxelChange> RoomWithAHole(int edge) {
     std::vector<VoxelChange> changes = test::LongRoom();
-    for (const VoxelChange& change : test::BoxOf({{40, 0, 0}, {41, 12, 12}}, VoxelState::kOccupied))
-      changes.push_back(change);
-    for (const VoxelChange& change : test::BoxOf({{40, 4, 3}, {41, 4 + edge, 3 + edge}}, VoxelState::kFree))
-      changes.push_back(change);
+    test::Fill(changes, {{40, 0, 0}, {41, 12, 12}}, VoxelState::kOccupied);
+    test::Fill(changes, {{40, 4, 3}, {41, 4 + edge, 3 + edge}}, VoxelState::kFree);
     return changes;
   }
   Task Choose(int edge) const { return ChoosingRobot(options_, RoomWithAHole(edge)).Choose(); }

@@ -188,10 +188,8 @@ TEST_F(TaskMakerTest, FollowsAPathAsItIsAndTurnsAtItsEnd) {
 }
 
 TEST_F(TaskMakerTest, TurnsFirstToAHoleInAWallRightAhead) {
-  for (const VoxelChange& change : test::BoxOf({{15, 0, 0}, {16, 40, 30}}, VoxelState::kOccupied))
-    changes_.push_back(change);
-  for (const VoxelChange& change : test::BoxOf({{15, 9, 14}, {16, 12, 17}}, VoxelState::kFree))
-    changes_.push_back(change);
+  test::Fill(changes_, {{15, 0, 0}, {16, 40, 30}}, VoxelState::kOccupied);
+  test::Fill(changes_, {{15, 9, 14}, {16, 12, 17}}, VoxelState::kFree);
   T_WB_ = MakeTransform(RotationFromYawPitch(std::numbers::pi, 0.0), {1.25, 1.05, 1.55});
   const std::vector<Eigen::Vector3d> through_W = {T_WB_.translation(), {3.05, 1.05, 1.55}};
   const Task task = *Maker().Follow(Purpose::kGoTo, through_W, R_WB_, T_WB_);

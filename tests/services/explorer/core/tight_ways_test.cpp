@@ -19,11 +19,9 @@ class TightWaysTest : public testing::Test {
   /// Makes holes from y to y + edge, which the robot sees through and does not get through.
   void MakeRoom(const std::vector<std::pair<int, int>>& holes) {
     std::vector<VoxelChange> changes = test::LongRoom();
-    for (const VoxelChange& change : test::BoxOf({{25, 0, 0}, {26, 12, 12}}, VoxelState::kOccupied))
-      changes.push_back(change);
+    test::Fill(changes, {{25, 0, 0}, {26, 12, 12}}, VoxelState::kOccupied);
     for (const auto& [y, edge] : holes) {
-      for (const VoxelChange& change : test::BoxOf({{25, y, 3}, {26, y + edge, 3 + edge}}, VoxelState::kFree))
-        changes.push_back(change);
+      test::Fill(changes, {{25, y, 3}, {26, y + edge, 3 + edge}}, VoxelState::kFree);
     }
     Knowledge::Options options = test::KnowingOptions();
     options.map.clearance = 0.2;

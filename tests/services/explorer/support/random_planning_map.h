@@ -42,9 +42,14 @@ inline Eigen::Vector3d RandomPoint(std::mt19937& random, const Eigen::AlignedBox
 
 using thalweg::ForEachVoxel;
 
+/// Appends the voxels of `box` in `state`; of two changes of a voxel the later one applies.
+inline void Fill(std::vector<VoxelChange>& changes, const VoxelBox& box, VoxelState state) {
+  ForEachVoxel(box, [&](const VoxelIndex& i) { changes.push_back({i, LogOddsOf(state)}); });
+}
+
 inline std::vector<VoxelChange> BoxOf(const VoxelBox& box, VoxelState state) {
   std::vector<VoxelChange> changes;
-  ForEachVoxel(box, [&](const VoxelIndex& i) { changes.push_back({i, LogOddsOf(state)}); });
+  Fill(changes, box, state);
   return changes;
 }
 

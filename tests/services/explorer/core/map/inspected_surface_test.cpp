@@ -109,7 +109,7 @@ TEST_F(InspectedSurfaceTest, AStaircaseHasTheNormalOfItsSlope) {
   std::vector<VoxelChange> slope;  // x + y = 2 m
   for (int x = 0; x < 20; ++x) {
     const VoxelBox step{{x, 19 - x, -10}, {x + 1, 20 - x, 10}};
-    for (const VoxelChange& change : test::BoxOf(step, VoxelState::kOccupied)) slope.push_back(change);
+    test::Fill(slope, step, VoxelState::kOccupied);
   }
   Apply(slope);
   const Facet facet{{10, 9, 0}, 1};

@@ -18,18 +18,13 @@ const PathSearch::Exemption kExemption{0.3, true};
 
 using Changes = std::vector<VoxelChange>;
 
-void Fill(Changes& changes, const VoxelBox& box, VoxelState state) {
-  const Changes more = test::BoxOf(box, state);
-  changes.insert(changes.end(), more.begin(), more.end());
-}
-
 /// A cell of 1 m and a hall of 2 m behind a wall that has a hole of `edge` x `edge` voxels through it.
 Changes CellAndHall(int edge) {
   Changes changes;
-  Fill(changes, {{-1, -1, -1}, {33, 21, 11}}, VoxelState::kOccupied);
-  Fill(changes, {{0, 0, 0}, {10, 10, 10}}, VoxelState::kFree);
-  Fill(changes, {{12, 0, 0}, {32, 20, 10}}, VoxelState::kFree);
-  Fill(changes, {{10, 3, 3}, {12, 3 + edge, 3 + edge}}, VoxelState::kFree);
+  test::Fill(changes, {{-1, -1, -1}, {33, 21, 11}}, VoxelState::kOccupied);
+  test::Fill(changes, {{0, 0, 0}, {10, 10, 10}}, VoxelState::kFree);
+  test::Fill(changes, {{12, 0, 0}, {32, 20, 10}}, VoxelState::kFree);
+  test::Fill(changes, {{10, 3, 3}, {12, 3 + edge, 3 + edge}}, VoxelState::kFree);
   return changes;
 }
 
@@ -57,7 +52,7 @@ TEST(ShutIn, NamesTheClearanceWithWhichTheDoorwayCouldBePassed) {
 
 TEST(ShutIn, FindsNoClearanceThatLeavesAClosedCell) {
   Changes changes = CellAndHall(1);
-  Fill(changes, {{10, 3, 3}, {12, 4, 4}}, VoxelState::kOccupied);
+  test::Fill(changes, {{10, 3, 3}, {12, 4, 4}}, VoxelState::kOccupied);
   const ShutIn why = WhyShutIn(MapOf(changes, kRadius + kMargin), {0.55, 0.55, 0.55}, kRadius, kExemption);
   EXPECT_FALSE(why.fitting);
 }
@@ -88,7 +83,7 @@ TEST(ShutIn, MeasuresTheClearanceThatThePlanningMapMeasures) {
   int limited = 0;
   for (int round = 0; round < 200; ++round) {
     Changes changes;
-    Fill(changes, {{0, 0, 0}, {16, 16, 16}}, VoxelState::kFree);
+    test::Fill(changes, {{0, 0, 0}, {16, 16, 16}}, VoxelState::kFree);
     for (int n = 0; n < 60; ++n)
       changes.push_back({test::RandomVoxel(random, {{1, 1, 1}, {15, 15, 15}}), test::kOccupiedLogOdds});
     const PlanningMap map = MapOf(changes, 0.25, round % 2 == 0 ? 0.0 : 0.2);

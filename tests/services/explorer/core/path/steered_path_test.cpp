@@ -105,10 +105,8 @@ TEST(SteerTo, TurningAboutInTheOpenIsHardlyLongerThanTheShortestWay) {
 TEST(SteerTo, ACorridorTooNarrowToTurnInIsLeftBackward) {
   // A corridor 0.4 m wide that ends blindly, from a room.
   std::vector<VoxelChange> changes = test::ClosedRoom({{0, 0, 0}, {40, 40, 8}});
-  for (const VoxelChange& change : test::BoxOf({{39, 16, -1}, {72, 24, 9}}, VoxelState::kOccupied))
-    changes.push_back(change);
-  for (const VoxelChange& change : test::BoxOf({{39, 18, 0}, {71, 22, 8}}, VoxelState::kFree))
-    changes.push_back(change);
+  test::Fill(changes, {{39, 16, -1}, {72, 24, 9}}, VoxelState::kOccupied);
+  test::Fill(changes, {{39, 18, 0}, {71, 22, 8}}, VoxelState::kFree);
   const PlanningMap map = DrivenMap(changes);
   const RigidTransform inside = Pose(6.5, 2, 0);
   const auto out = SteerTo(map, inside, {.p_W = {2, 2, kWheels}, .yaw = std::numbers::pi}, kCar);

@@ -20,20 +20,15 @@ constexpr double kNeeds = 0.20;  // [m] with its margin
 const Eigen::Vector3d kInTheCell{0.55, 0.65, 0.65};
 const auto kInTheHall = [](const VoxelIndex& i) { return i.x >= 14; };
 
-void Fill(Changes& changes, const VoxelBox& box, VoxelState state) {
-  const Changes more = test::BoxOf(box, state);
-  changes.insert(changes.end(), more.begin(), more.end());
-}
-
 /// A cell and a hall, and between them a wall of 0.2 m with a hole of `edge` x `edge` voxels, of which the
 /// middle is that of voxel 6.
 Changes CellAndHallChanges(int edge) {
   Changes changes;
-  Fill(changes, {{-1, -1, -1}, {41, 14, 14}}, VoxelState::kOccupied);
-  Fill(changes, {{0, 0, 0}, {12, 13, 13}}, VoxelState::kFree);
-  Fill(changes, {{14, 0, 0}, {40, 13, 13}}, VoxelState::kFree);
+  test::Fill(changes, {{-1, -1, -1}, {41, 14, 14}}, VoxelState::kOccupied);
+  test::Fill(changes, {{0, 0, 0}, {12, 13, 13}}, VoxelState::kFree);
+  test::Fill(changes, {{14, 0, 0}, {40, 13, 13}}, VoxelState::kFree);
   const int low = 6 - edge / 2;
-  Fill(changes, {{12, low, low}, {14, low + edge, low + edge}}, VoxelState::kFree);
+  test::Fill(changes, {{12, low, low}, {14, low + edge, low + edge}}, VoxelState::kFree);
   return changes;
 }
 

@@ -40,8 +40,7 @@ class PotentialThesisTest : public testing::Test {
 /// A corridor of 12 x 0.7 x 0.7 m along x with walls all around, and unknown at both ends.
 std::vector<VoxelChange> Corridor() {
   std::vector<VoxelChange> changes = test::BoxOf({{-60, -4, -4}, {60, 5, 5}}, VoxelState::kOccupied);
-  for (const VoxelChange& change : test::BoxOf({{-60, -3, -3}, {60, 4, 4}}, VoxelState::kFree))
-    changes.push_back(change);
+  test::Fill(changes, {{-60, -3, -3}, {60, 4, 4}}, VoxelState::kFree);
   return changes;
 }
 
@@ -96,8 +95,7 @@ TEST_F(PotentialThesisTest, DropsComponentsBelowTheLeastArea) {
 
 TEST_F(PotentialThesisTest, AClosedRoomHasNoFrontier) {
   std::vector<VoxelChange> room = test::BoxOf({{-9, -9, -9}, {10, 10, 10}}, VoxelState::kOccupied);
-  for (const VoxelChange& change : test::BoxOf({{-8, -8, -8}, {9, 9, 9}}, VoxelState::kFree))
-    room.push_back(change);
+  test::Fill(room, {{-8, -8, -8}, {9, 9, 9}}, VoxelState::kFree);
   map_.Apply(room);
   EXPECT_TRUE(Find().empty());
 }
