@@ -362,7 +362,9 @@ std::optional<Error> Explorer::SendHome(const RigidTransform& T_WB_reported) {
   if (!mission_.home_paths().home_W()) return Error{"the robot has not set out yet: it is at home"};
   if (no_go_.DrawnTouch(map(), *mission_.home_paths().home_W()))
     return Error{"a drawn no-go box covers the place where the robot set out"};
-  if (!mission_.KnowsPathHome(map(), T_WB.translation())) return Error{"no known path leads home"};
+  if (!mission_.KnowsPathHome(map(), T_WB.translation()) &&
+      !going_back_.LeadsToPathHome(T_WB, map(), mission_.home_paths()))
+    return Error{"no known path leads home"};
   mission_.TurnHome({.outcome = Outcome::kOperator});
   return std::nullopt;
 }

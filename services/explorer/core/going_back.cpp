@@ -22,32 +22,41 @@ bool GoingBack::gives_up() const {
   return !robot_.turns_on_the_spot() || in_vain_ >= kMostInVain;
 }
 
+std::vector<Eigen::Vector3d> GoingBack::Track(const RigidTransform& T_WB, const PlanningMap& map) const {
+  return TrackBack(map, T_WB.translation(), came_.BackTo(came_.begin()));
+}
+
 std::optional<Task> GoingBack::ToMostOfSpace(const RigidTransform& T_WB, const PlanningMap& map,
                                              const TaskMaker& make) {
   if (gives_up()) return std::nullopt;
   const std::vector<Eigen::Vector3d> track_W = Track(T_WB, map);
   const std::optional<PathSearch> most = MostOfSpaceOn(track_W, map);
   if (!most) return std::nullopt;
-  return To([&](const VoxelIndex& i) { return most->Reached(i); }, track_W, T_WB, map, make);
+  const auto reached = [&](const VoxelIndex& i) { return most->Reached(i); };
+  return Along(WayBack(map, track_W, robot_.radius, reached), T_WB, make);
+}
+
+std::vector<Eigen::Vector3d> GoingBack::WayToPathHome(const RigidTransform& T_WB, const PlanningMap& map,
+                                                      const HomePaths& home_paths) const {
+  const auto leads_home = [&](const VoxelIndex& i) {
+    return home_paths.costs().Get(i, PathSearch::kUnreached) != PathSearch::kUnreached;
+  };
+  return WayBack(map, Track(T_WB, map), robot_.radius, leads_home);
+}
+
+bool GoingBack::LeadsToPathHome(const RigidTransform& T_WB, const PlanningMap& map,
+                                const HomePaths& home_paths) const {
+  return !gives_up() && !WayToPathHome(T_WB, map, home_paths).empty();
 }
 
 std::optional<Task> GoingBack::ToPathHome(const RigidTransform& T_WB, const PlanningMap& map,
                                           const HomePaths& home_paths, const TaskMaker& make) {
   if (gives_up()) return std::nullopt;
-  const auto leads_home = [&](const VoxelIndex& i) {
-    return home_paths.costs().Get(i, PathSearch::kUnreached) != PathSearch::kUnreached;
-  };
-  return To(leads_home, Track(T_WB, map), T_WB, map, make);
+  return Along(WayToPathHome(T_WB, map, home_paths), T_WB, make);
 }
 
-std::vector<Eigen::Vector3d> GoingBack::Track(const RigidTransform& T_WB, const PlanningMap& map) const {
-  return TrackBack(map, T_WB.translation(), came_.BackTo(came_.begin()));
-}
-
-std::optional<Task> GoingBack::To(const std::function<bool(const VoxelIndex&)>& leads_on,
-                                  const std::vector<Eigen::Vector3d>& track_W, const RigidTransform& T_WB,
-                                  const PlanningMap& map, const TaskMaker& make) {
-  const std::vector<Eigen::Vector3d> path_W = WayBack(map, track_W, robot_.radius, leads_on);
+std::optional<Task> GoingBack::Along(const std::vector<Eigen::Vector3d>& path_W, const RigidTransform& T_WB,
+                                     const TaskMaker& make) {
   if (path_W.empty()) return std::nullopt;
   const double length = PathLength(path_W);
   if (!left_ || length < *left_ - kNearer) {

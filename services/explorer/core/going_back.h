@@ -1,7 +1,7 @@
 #pragma once
 
-#include <functional>
 #include <optional>
+#include <vector>
 
 #include "common/geometry/flown_path.h"
 #include "common/geometry/robot_model.h"
@@ -26,12 +26,16 @@ class GoingBack {
   /// To where there is a path home. @param home_paths  Found in that map. @return Nothing if it cannot.
   std::optional<Task> ToPathHome(const RigidTransform& T_WB, const PlanningMap& map,
                                  const HomePaths& home_paths, const TaskMaker& make);
+  /// Whether ToPathHome leads anywhere.
+  bool LeadsToPathHome(const RigidTransform& T_WB, const PlanningMap& map, const HomePaths& home_paths) const;
 
  private:
   std::vector<Eigen::Vector3d> Track(const RigidTransform& T_WB, const PlanningMap& map) const;
-  std::optional<Task> To(const std::function<bool(const VoxelIndex&)>& leads_on,
-                         const std::vector<Eigen::Vector3d>& track_W, const RigidTransform& T_WB,
-                         const PlanningMap& map, const TaskMaker& make);
+  /// [m] Empty if there is none.
+  std::vector<Eigen::Vector3d> WayToPathHome(const RigidTransform& T_WB, const PlanningMap& map,
+                                             const HomePaths& home_paths) const;
+  std::optional<Task> Along(const std::vector<Eigen::Vector3d>& path_W, const RigidTransform& T_WB,
+                            const TaskMaker& make);
   bool gives_up() const;
 
   RobotModel robot_;

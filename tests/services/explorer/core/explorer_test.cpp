@@ -155,6 +155,20 @@ TEST_P(ExplorerTest, ARobotOnItsWayHomeThatIsShutInGoesBackTheWayItCame) {
   EXPECT_EQ(test::EndOf(explorer.MakePlan(kHere, kStart)), Outcome::kNoPathHome);
 }
 
+TEST_P(ExplorerTest, ARobotSentHomeFromBeyondATightPassageGoesBackThroughIt) {
+  options_.safety_margin = 0.1;
+  Explorer explorer = With(options_, CellAndRoom());
+  explorer.MakePlan(test::At(3.05, 0.65, 0.65), kStart);
+  EXPECT_TRUE(explorer.SendHome(kHere)) << "it has not come that way";
+  ComeIn(explorer);
+  ASSERT_FALSE(explorer.SendHome(kHere));
+  const Plan back = explorer.MakePlan(kHere, kStart);
+  ASSERT_EQ(back.purpose, Purpose::kGoBack);
+  const Plan home = explorer.MakePlan(back.T_WBs.back(), kStart);
+  EXPECT_EQ(home.purpose, Purpose::kGoHome);
+  EXPECT_NEAR(home.T_WBs.back().translation().x(), 3.05, 1e-9);
+}
+
 TEST_P(ExplorerTest, ARobotThatDrivesWithItsBodyInTheFloorSaysThatNothingIsReachable) {
   options_.robot.drives = true;
   options_.robot.height = 1.4;  // from 0.1 m below the floor to 0.1 m above the ceiling
