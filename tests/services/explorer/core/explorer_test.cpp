@@ -124,6 +124,15 @@ TEST_P(ExplorerTest, ARobotThatIsShutInGoesBackTheWayItCame) {
   EXPECT_EQ(test::EndOf(explorer.MakePlan(kHere, kStart)), Outcome::kNothingReachable) << "shut since";
 }
 
+TEST_P(ExplorerTest, AnExplorerThatTakesOverKnowsTheWayBack) {
+  options_.safety_margin = 0.1;
+  Explorer before = With(options_, CellAndRoom());
+  ComeIn(before);
+  Explorer explorer = With(options_, CellAndRoom());
+  explorer.TakeOverFrom(before);
+  EXPECT_EQ(explorer.MakePlan(kHere, kStart).purpose, Purpose::kGoBack);
+}
+
 TEST_P(ExplorerTest, ARobotThatComesNoNearerOnItsWayBackGivesUp) {
   options_.safety_margin = 0.1;
   Explorer explorer = With(options_, CellAndRoom());

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/geometry/polyline.h"
@@ -119,6 +120,17 @@ TEST(WayBack, OfADrivingRobotStaysInItsPlane) {
   const std::vector<Eigen::Vector3d> path_W = Back(map, kInTheCell, came, kInTheHall);
   ASSERT_FALSE(path_W.empty());
   for (const Eigen::Vector3d& p_W : path_W) EXPECT_NEAR(p_W.z(), 0.65, 0.051);
+}
+
+TEST(WayBack, OfACylinderLeadsWhereItsHeightFitsWithoutItsMargin) {
+  // The hole is 0.3 m high, the body without the margins of 0.1 m above and below it 0.28 and 0.4 m.
+  for (const auto& [half_height, leads] : {std::pair{0.24, true}, {0.3, false}}) {
+    PlanningMap::Options options{.voxel_size = kSize, .clearance = kNeeds, .bounds = {}};
+    options.half_height = half_height;
+    PlanningMap map(options);
+    map.Apply(CellAndHallChanges(3));
+    EXPECT_EQ(!Back(map, kInTheCell, CameThrough(), kInTheHall).empty(), leads) << half_height;
+  }
 }
 
 TEST(MostOfSpaceOn, IsFloodedFromThePartOfTheTrackThatLiesInIt) {
