@@ -323,6 +323,13 @@ void ExplorerService::PublishOrder() {
   if (order_) path_out_.Write(ToIdl(dds::StampedPath{order_->id, order_->T_WBs}));
 }
 
+void ExplorerService::PostOrder() {
+  bus_.Post([this, order = loop_.order()] {
+    order_ = order;
+    PublishOrder();
+  });
+}
+
 void ExplorerService::PublishStatus() {
   status_.header(dds::MakeHeader(bus_.Now(), dds::kMapFrame));
   status_out_.Write(status_);
@@ -340,15 +347,13 @@ void ExplorerService::RunPlanner(std::stop_token stop) try {
     const std::deque<PlannerInbox::Event> events = inbox_.Take(stop);
     if (events.empty()) return;
     const Time heard = bus_.Now();
+    const Time before = loop_.order() ? loop_.order()->id : Time{};
     for (const PlannerInbox::Event& event : events) event(loop_);
+    // What the robot must hear before the next decision, which takes long.
+    if (loop_.order() && loop_.order()->id != before) PostOrder();
     const std::size_t plans_before = loop_.explorer().plans();
     const bool changed = loop_.Think(bus_.Now());
-    if (changed) {
-      bus_.Post([this, order = loop_.order()] {
-        order_ = order;
-        PublishOrder();
-      });
-    }
+    if (changed) PostOrder();
     if (loop_.explorer().plans() != plans_before && loop_.explorer().planned_in_flight())
       loop_.NoteDecisionTime(Seconds(bus_.Now() - heard));
     CountBeyondLimit();

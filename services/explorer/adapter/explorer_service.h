@@ -54,6 +54,8 @@ class ExplorerService {
   void AskForMap();
   void Repeat();
   void PublishOrder();
+  /// Publishes the loop's order as soon as the bus comes to it. For the planner's thread.
+  void PostOrder();
   void PublishStatus();
   void PublishMarkers();
   bool HandOver(MapNews news);

@@ -49,8 +49,10 @@ std::optional<Error> ExplorationLoop::OnMap(const MapNews& news, Time now) {
   if (!news.scans.empty()) pace_.Note(now);
   if (phase_ == Phase::kExecuting && T_WB_) {
     const std::optional<Interruption> why = explorer_.CheckPlan(*T_WB_);
-    if (why && GoesOnAfter(*why)) {
+    if (const auto goes_on = why ? GoesOnAfter(*why) : std::nullopt) {
       Count(*why);
+      // The decision may take longer than expected.
+      if (*why == Interruption::kPathBlocked) Send(*goes_on, now);
       plan_due_ = true;
     } else if (why) {
       Interrupt(*why, now);
@@ -112,6 +114,7 @@ void ExplorationLoop::OnMotion(const MotionNews& news, Time now) {
   }
   if (phase_ != Phase::kExecuting || !order_ || news.path_id != order_->id) return;
   if (news.done) {
+    if (plan_due_) return;  // at the end of what was left of a blocked path
     phase_ = Phase::kSettling;
     arrived_at_ = news.stamp;
   } else if (!news.stopped) {
@@ -147,8 +150,9 @@ std::size_t ExplorationLoop::replans() const {
   return unsafe;
 }
 
-bool ExplorationLoop::GoesOnAfter(Interruption why) const {
-  return why != Interruption::kNotFacingPassage && !errand_ && explorer_.CanReplan(*T_WB_, speed_);
+std::optional<std::vector<RigidTransform>> ExplorationLoop::GoesOnAfter(Interruption why) const {
+  if (why == Interruption::kNotFacingPassage || errand_) return std::nullopt;
+  return explorer_.PathUntilReplanned(*T_WB_, speed_);
 }
 
 void ExplorationLoop::Interrupt(Interruption why, Time now) {

@@ -53,7 +53,8 @@ enum class Awaited : std::uint8_t {
 /// Executes the explorer's plans one after another: waits until the robot has arrived and a scan from its new
 /// pose is in the map, plans, and sends a path. It interrupts a plan, stops and replans when the map makes
 /// the path unsafe, when the target has been seen early, when the controller cannot continue, when scans no
-/// longer reach the map (ScanPace), or when the robot was lost and has recovered.
+/// longer reach the map (ScanPace), or when the robot was lost and has recovered. A robot that can be given a
+/// new plan while it moves goes on meanwhile; if its path is blocked, to where it can stop and no further.
 ///
 /// Other services may come and go: a new mapper sends a whole map, a new controller takes up the path that is
 /// repeated to it, and a clock that jumps back makes the loop stop and replan.
@@ -142,8 +143,9 @@ class ExplorationLoop {
   /// Stops the robot, and replans once it stands still.
   void Interrupt(Interruption why, Time now);
   void Count(Interruption why);
-  /// Whether a plan may be replaced for that reason without stopping the robot first.
-  bool GoesOnAfter(Interruption why) const;
+  /// As Explorer::PathUntilReplanned, if a plan may be replaced for that reason without stopping the robot
+  /// first.
+  std::optional<std::vector<RigidTransform>> GoesOnAfter(Interruption why) const;
   bool ReadyToPlan() const;
   /// Whether the strategy cannot decide before it has another view.
   bool LacksView() const;

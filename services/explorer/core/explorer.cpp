@@ -184,18 +184,20 @@ TaskMaker::Lead Explorer::LeadOf(const Task::Departure& departure, double speed)
   return lead;
 }
 
-bool Explorer::CanReplan(const RigidTransform& T_WB, double speed) const {
-  if (!minimizes_time()) return false;
-  if (!(speed > 0.0)) return true;
-  const std::optional<Task::Departure> departure = DepartureOf(T_WB, speed);
-  if (!departure) return false;
-  const std::vector<RigidTransform>& lead = departure->lead.T_WBs;
+std::optional<std::vector<RigidTransform>> Explorer::PathUntilReplanned(const RigidTransform& T_WB,
+                                                                        double speed) const {
+  using Path = std::vector<RigidTransform>;
+  if (!minimizes_time()) return std::nullopt;
+  if (!(speed > 0.0)) return Path{};
+  std::optional<Task::Departure> departure = DepartureOf(T_WB, speed);
+  if (!departure) return std::nullopt;
+  const Path& lead = departure->lead.T_WBs;
   for (std::size_t n = 1; n < lead.size(); ++n) {
     if (!map().SegmentClear(lead[n - 1].translation(), lead[n].translation(),
                             PlanningMap::Obstacles::kOccupied, options_.least_clearance()))
-      return false;
+      return std::nullopt;
   }
-  return true;
+  return std::move(departure->lead.T_WBs);
 }
 
 Plan Explorer::MakePlan(const RigidTransform& T_WB_reported, Time now, double speed) {

@@ -74,8 +74,11 @@ class Explorer {
   /// new plan begins with the part of the old one that the robot cannot leave any more. 0 = stands, or the
   /// same.
   Plan MakePlan(const RigidTransform& T_WB, Time now, double speed = 0.0);
-  /// Whether a robot of that speed [m/s] can be given a new plan while it moves along the present one.
-  bool CanReplan(const RigidTransform& T_WB, double speed) const;
+  /// The part of the present plan that a robot of that speed [m/s] moves along in any case, until it hears of
+  /// a new plan and can leave this one, at whose end it can stop. Empty if it stands; nothing if it cannot be
+  /// given a new plan while it moves, or that part is not clear.
+  std::optional<std::vector<RigidTransform>> PathUntilReplanned(const RigidTransform& T_WB,
+                                                                double speed) const;
   /// Takes note of how long a decision in flight took from the pose that it began with [s]: later ones begin
   /// as far ahead as the robot gets meanwhile. Without it they expect Options::decision_time, which is also
   /// the least.

@@ -231,6 +231,38 @@ TEST_F(LoopInFlightTest, AnObstacleFarAheadChangesThePathAndDoesNotStopTheRobot)
   ExpectGoingOnFor(Explorer::Options{}.decision_time, before);
 }
 
+TEST_F(LoopInFlightTest, BeforeItDecidesItsPathEndsWhereItCanStopBeforeTheObstacle) {
+  Begin();
+  FlyTo(0.1);
+  const Time first = id();
+  const std::vector<RigidTransform> before = loop_.order()->T_WBs;
+  SendScan(test::ObstacleAt(test::PointAlong(before, 0.6)), now_);
+  const Time shortened = id();
+  EXPECT_GT(shortened, first);
+  const std::vector<RigidTransform> left = loop_.order()->T_WBs;
+  ASSERT_GE(left.size(), 2U);
+  const RobotModel robot;
+  const double brakes = 0.5 * robot.max_speed * robot.max_speed / robot.max_acceleration;
+  EXPECT_GT(PathLength(left), robot.max_speed * Explorer::Options{}.decision_time + brakes - 1e-9);
+  EXPECT_LT(PathLength(left), 0.5 * PathLength(before)) << "the obstacle is there";
+
+  // A decision that takes longer than that finds the robot at its end, where it has not arrived anywhere.
+  loop_.OnPose(left.back());
+  Report({.path_id = shortened, .done = true, .standing = true, .stamp = {}});
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_EQ(loop_.state(), LoopState::kMoving);
+  EXPECT_TRUE(loop_.order()->T_WBs.front().isApprox(left.back(), 1e-9));
+  EXPECT_GT(loop_.order()->T_WBs.size(), 1U);
+}
+
+TEST_F(LoopInFlightTest, OneThatStandsBeforeAnObstacleStaysUntilItHasDecided) {
+  Begin();
+  SendScan(test::ObstacleAt(test::PointAlong(loop_.order()->T_WBs, 0.6)), now_);
+  EXPECT_TRUE(loop_.order()->T_WBs.empty());
+  EXPECT_TRUE(loop_.Think(now_));
+  EXPECT_FALSE(loop_.order()->T_WBs.empty());
+}
+
 TEST_F(LoopInFlightTest, ADecisionThatIsExpectedToTakeLongLeavesThePathLater) {
   Begin();
   FlyTo(0.1);
