@@ -5,6 +5,18 @@
 #include <vector>
 
 namespace thalweg::explorer {
+namespace {
+
+/// Counts a look at the facets that it has not inspected.
+void CountTries(const Task& task, Knowledge& knowledge) {
+  InspectedSurface* const surface = knowledge.inspected();
+  if (surface == nullptr) return;
+  for (const Facet& facet : task.facets) {
+    if (surface->Open(knowledge.map(), facet)) surface->CountTry(facet);
+  }
+}
+
+}  // namespace
 
 void RememberArrival(const Task& task, Knowledge& knowledge, Time now) {
   const PlanningMap& map = knowledge.map();
@@ -31,11 +43,7 @@ void RememberArrival(const Task& task, Knowledge& knowledge, Time now) {
     const bool no_depth = several ? sensed[n] == Sensed::kNothing : nothing_sensed;
     memory.SetAside(left[n], no_depth ? AsideReason::kNoDepth : AsideReason::kVisited, now);
   }
-  if (InspectedSurface* const surface = knowledge.inspected()) {
-    for (const Facet& facet : task.facets) {
-      if (surface->Open(map, facet)) surface->CountTry(facet);
-    }
-  }
+  CountTries(task, knowledge);
 }
 
 void RememberFailure(const Task& task, Knowledge& knowledge, Time now) {
@@ -43,6 +51,7 @@ void RememberFailure(const Task& task, Knowledge& knowledge, Time now) {
     if (IsTarget(knowledge.map(), i))
       knowledge.memory().CountLook(i, AsideReason::kLostThere, Sensed::kDepth, now);
   }
+  CountTries(task, knowledge);
 }
 
 }  // namespace thalweg::explorer

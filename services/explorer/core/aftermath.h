@@ -11,8 +11,8 @@ namespace thalweg::explorer {
 /// aside, with what the scan sensed there as the reason. Counts a try for each facet that stayed open.
 void RememberArrival(const Task& task, Knowledge& knowledge, Time now);
 
-/// Counts a look at each voxel that is left of the target of a plan on which the robot got lost or was
-/// stopped, which need not happen on a second try.
+/// Counts a look at each voxel, and a try for each facet, that is left of the target of a plan on which the
+/// robot got lost or was stopped, which need not happen on a second try.
 void RememberFailure(const Task& task, Knowledge& knowledge, Time now);
 
 }  // namespace thalweg::explorer

@@ -114,6 +114,7 @@ void Explorer::Arrived(Time now, const CameraView* seen) {
 
 void Explorer::DidNotGetThere(Time now) {
   RememberFailure(task_, knowledge_, now);
+  targets_.DidNotGetThere(task_, map());
   task_.DropTarget();
 }
 

@@ -119,6 +119,7 @@ ShutWays::ShutWays(const Options& options)
 void ShutWays::Clear() {
   reached_ = {};
   watched_.reset();
+  not_got_to_.clear();
   given_up_.clear();
 }
 
@@ -158,9 +159,13 @@ std::vector<ShutWays::Way> ShutWays::Find(const Knowledge& knowledge, const Path
   return ways;
 }
 
+bool ShutWays::Holds(const std::vector<VoxelIndex>& bars, const VoxelIndex& of) const {
+  return std::ranges::any_of(
+      bars, [&](const VoxelIndex& bar) { return AreOfOneWay(bar, of, options_.voxel_size); });
+}
+
 bool ShutWays::MayWatch(const Way& way) const {
-  return std::ranges::none_of(
-      given_up_, [&](const VoxelIndex& bar) { return AreOfOneWay(bar, way.bar, options_.voxel_size); });
+  return !Holds(given_up_, way.bar);
 }
 
 void ShutWays::Watch(const Way& way, Time now) {
@@ -172,6 +177,14 @@ void ShutWays::Watch(const Way& way, Time now) {
 void ShutWays::GiveUp(const Way& way) {
   given_up_.push_back(way.bar);
   watched_.reset();
+}
+
+void ShutWays::DidNotGetTo(const VoxelIndex& bar) {
+  if (Holds(not_got_to_, bar)) {
+    GiveUp({.bar = bar, .unknowns = 0});
+  } else {
+    not_got_to_.push_back(bar);
+  }
 }
 
 void ShutWays::ShiftTimes(Duration back) {

@@ -46,9 +46,14 @@ class ShutWays {
   /// The robot watches a way from near. A way that it has watched for too long is given up.
   void Watch(const Way& way, Time now);
   void GiveUp(const Way& way);
+  /// A robot that was on its way to watch did not get there: after the second time the way is given up.
+  void DidNotGetTo(const VoxelIndex& bar);
   void ShiftTimes(Duration back);
 
  private:
+  /// Whether one of the bars is of the same way.
+  bool Holds(const std::vector<VoxelIndex>& bars, const VoxelIndex& of) const;
+
   Options options_;
   GoalFinder goal_finder_;
   DenseGrid<std::uint8_t> reached_;  ///< Nonzero where the robot could once get.
@@ -57,6 +62,7 @@ class ShutWays {
     Time since;
   };
   std::optional<Watched> watched_;
+  std::vector<VoxelIndex> not_got_to_;
   std::vector<VoxelIndex> given_up_;
 };
 

@@ -276,6 +276,11 @@ std::optional<Task> TargetChooser::WatchShutWay(const std::vector<ShutWays::Way>
   return std::nullopt;
 }
 
+void TargetChooser::DidNotGetThere(const Task& task, const PlanningMap& map) {
+  if (task.plan.purpose == Purpose::kWatchShutWay && task.plan.target_W)
+    shut_ways_.DidNotGetTo(map.IndexOf(*task.plan.target_W));
+}
+
 std::vector<TightWay> TargetChooser::FindTightWays(const Moment& moment) const {
   if (moment.finds_itself) return {};
   return explorer::FindTightWays(moment.knowledge, search_.search(), moment.p_W(), options_.robot.radius,

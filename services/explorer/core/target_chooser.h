@@ -52,6 +52,9 @@ class TargetChooser {
   Task Choose(const RigidTransform& T_WB, Time now, const TaskMaker& make, const Mission& mission,
               Knowledge& knowledge, GoingBack& going_back, StageTimings& timings);
 
+  /// The robot did not get to where this task leads.
+  void DidNotGetThere(const Task& task, const PlanningMap& map);
+
   /// The candidates of the last choice, and the space that was found reachable.
   const CandidateSearch& search() const { return search_; }
   const std::string& strategy_name() const { return options_.strategy.name; }

@@ -43,6 +43,19 @@ TEST_F(ShutWaysTest, ADoorThatIsShutBeforeWhatIsLeftToSeeIsOne) {
   EXPECT_LE(ways[0].unknowns, 144U);
 }
 
+TEST_F(ShutWaysTest, OneToWhichTheRobotTwiceDidNotGetIsGivenUp) {
+  ways_.Note(search_);
+  Shut();
+  const std::vector<ShutWays::Way> ways = Find();
+  ASSERT_THAT(ways, SizeIs(1));
+  ways_.DidNotGetTo(ways[0].bar);
+  EXPECT_TRUE(ways_.MayWatch(ways[0]));
+  ways_.DidNotGetTo(ways[0].bar);
+  EXPECT_FALSE(ways_.MayWatch(ways[0]));
+  ways_.Clear();
+  EXPECT_TRUE(ways_.MayWatch(ways[0]));
+}
+
 TEST_F(ShutWaysTest, OneThatIsOpenAgainIsNone) {
   ways_.Note(search_);
   Shut();

@@ -150,6 +150,16 @@ TEST_F(BeforeADoor, ItEndsWithoutWhatIsBehindOnceItHasWaitedForSoLong) {
   EXPECT_NEAR(task.plan.ending->shut_ways_W[0].x(), 3.05, 1e-9);
 }
 
+TEST_F(BeforeADoor, ItEndsAfterItHasTwiceNotGotThere) {
+  Door(VoxelState::kOccupied);
+  for (int time = 0; time < 2; ++time) {
+    const Task goes = robot_.Choose(now_);
+    ASSERT_EQ(goes.plan.purpose, Purpose::kWatchShutWay);
+    robot_.chooser.DidNotGetThere(goes, robot_.knowledge.map());
+  }
+  EXPECT_TRUE(robot_.Choose(now_).plan.ending);
+}
+
 TEST_F(BeforeADoor, WhatIsBehindCountsAsMissed) {
   for (const bool much : {false, true}) {
     options_.loop.wait_at_shut_ways = true;
