@@ -8,7 +8,8 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kAtHome = 0.15;  // [m]
+constexpr double kAtHome = 0.15;     // [m]
+constexpr double kLeastMove = 0.01;  // [m] Odometry trembles by less.
 
 }  // namespace
 
@@ -17,13 +18,17 @@ Mission::Mission(const Options& options) : options_(options), home_paths_(option
 }
 
 void Mission::Move(const Eigen::Vector3d& p_W) {
-  if (last_position_W_) distance_ += (p_W - *last_position_W_).norm();
+  const double moved = last_position_W_ ? (p_W - *last_position_W_).norm() : 0.0;
+  if (last_position_W_ && moved < kLeastMove) return;
+  distance_ += moved;
+  way_back_ += moved;
   last_position_W_ = p_W;
 }
 
 void Mission::Restore(const SavedExploration& saved) {
   if (saved.home_W) home_paths_.SetOut(*saved.home_W);
   distance_ = saved.distance;
+  way_back_ = saved.distance;
   elapsed_before_ = saved.elapsed;
   if (saved.homeward) homeward_ = Ending{.outcome = *saved.homeward};
 }
@@ -42,7 +47,9 @@ std::optional<Budget> Mission::Spent(Time now) {
 
 void Mission::FindPathsHome(const PlanningMap& map, const Eigen::Vector3d& p_W) {
   if (!home_paths_.home_W()) home_paths_.SetOut(p_W);
-  if (options_.return_home || homeward_) home_paths_.Find(map, p_W);
+  if (!options_.return_home && !homeward_) return;
+  home_paths_.Find(map, p_W);
+  way_back_ = home_paths_.LengthFrom(map, p_W).value_or(way_back_);
 }
 
 bool Mission::KnowsPathHome(const PlanningMap& map, const Eigen::Vector3d& p_W) {
@@ -58,9 +65,9 @@ std::optional<Budget> Mission::HomeIsDue(const PlanningMap& map, const Eigen::Ve
 std::optional<Budget> Mission::TooFar(const PlanningMap& map, double length, const Eigen::Vector3d& end_W,
                                       Time now) const {
   if (!options_.return_home) return std::nullopt;
-  const std::optional<double> home = home_paths_.LengthFrom(map, end_W);
-  if (!home) return std::nullopt;  // detected on arrival
-  const double needed = home_paths_.Needed(*home);
+  // Where no path home is known, it can go back the way it came.
+  const double home = home_paths_.LengthFrom(map, end_W).value_or(length + way_back_);
+  const double needed = home_paths_.Needed(home);
   if (options_.distance_budget > 0.0 && distance_ + length + needed > options_.distance_budget)
     return Budget::kDistance;
   if (options_.time_budget > Duration::zero() && started_ &&

@@ -24,7 +24,7 @@ class Mission {
   /// Throws std::invalid_argument naming the invalid option.
   explicit Mission(const Options& options);
 
-  /// Updates the robot's position, which adds to the distance traveled.
+  /// Updates the robot's position, which adds to the distance traveled, in steps of 1 cm or more.
   void Move(const Eigen::Vector3d& p_W);
   double distance() const { return distance_; }  ///< [m]
   /// Time used of the budget.
@@ -47,6 +47,8 @@ class Mission {
   /// The budget that leaves no more than the path home from `p_W` needs, if any.
   std::optional<Budget> HomeIsDue(const PlanningMap& map, const Eigen::Vector3d& p_W, Time now) const;
   /// The budget that does not allow a path of `length` [m] to `end_W` and the path home from there, if any.
+  /// If the map knows no path home from there, that is the way back along the path, and on along the way by
+  /// which the robot came since the map knew one from where it was.
   std::optional<Budget> TooFar(const PlanningMap& map, double length, const Eigen::Vector3d& end_W,
                                Time now) const;
 
@@ -70,6 +72,8 @@ class Mission {
   std::optional<Time> started_;
   std::optional<Eigen::Vector3d> last_position_W_;
   double distance_ = 0.0;
+  /// [m] The path home when the map last knew one, and what the robot has traveled since.
+  double way_back_ = 0.0;
   std::optional<Ending> homeward_;
 };
 

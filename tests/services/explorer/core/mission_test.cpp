@@ -30,6 +30,14 @@ TEST(Mission, SumsTheDistanceAndNamesTheBudgetThatIsSpent) {
   EXPECT_EQ(mission.Spent(Time(1060s)), Budget::kTime);
 }
 
+TEST(Mission, ATremblingPoseTravelsNowhere) {
+  Mission mission({.time_budget = {}, .distance_budget = 0.0, .return_home = false, .home_paths = {}});
+  for (int n = 0; n < 1000; ++n) mission.Move({n % 2 == 0 ? 0.001 : -0.001, 0, 0});
+  EXPECT_EQ(mission.distance(), 0.0);
+  for (int n = 0; n <= 1000; ++n) mission.Move({0.002 * n, 0, 0});
+  EXPECT_NEAR(mission.distance(), 2.0, 0.02) << "one that moves slowly";
+}
+
 TEST(Mission, AClockThatGoesBackTakesNoTimeFromTheBudget) {
   Mission mission({.time_budget = 60s, .distance_budget = 0.0, .return_home = false, .home_paths = {}});
   EXPECT_FALSE(mission.Spent(Time(1000s)));
@@ -54,6 +62,29 @@ TEST(Mission, HomeIsDueWhenNoMoreIsLeftThanThePathNeeds) {
   mission.Move(far_W + Eigen::Vector3d(0, 0, 0.7));
   mission.Move(far_W);
   EXPECT_EQ(mission.HomeIsDue(map, far_W, Time(0s)), Budget::kDistance);
+}
+
+TEST(Mission, WhereNoPathHomeIsKnownItGoesBackTheWayItCame) {
+  PlanningMap map = OneRoom();
+  Mission mission({.time_budget = {}, .distance_budget = 9.2, .return_home = true, .home_paths = {}});
+  mission.FindPathsHome(map, kHome_W);
+  mission.Move(kHome_W);
+  const Eigen::Vector3d far_W = kHome_W + Eigen::Vector3d(2.0, 0, 0);
+  mission.Move(far_W);
+  mission.FindPathsHome(map, far_W);
+  map.Apply(test::BoxOf({{15, 0, 0}, {16, 11, 11}}, VoxelState::kOccupied));
+  const Eigen::Vector3d farther_W = far_W + Eigen::Vector3d(1.0, 0, 0);
+  mission.Move(farther_W);
+  mission.FindPathsHome(map, farther_W);
+  ASSERT_FALSE(mission.home_paths().LengthFrom(map, farther_W));
+  // 3 m are used, and the way back needs 1.15 * 3 + 0.5 m.
+  EXPECT_FALSE(mission.HomeIsDue(map, farther_W, Time(0s)));
+  EXPECT_FALSE(mission.TooFar(map, 0.9, farther_W, Time(0s)));
+  EXPECT_EQ(mission.TooFar(map, 1.1, farther_W, Time(0s)), Budget::kDistance) << "there and back";
+  mission.Move(far_W);
+  EXPECT_FALSE(mission.HomeIsDue(map, far_W, Time(0s))) << "4 m, and 1.15 * 4 + 0.5 m";
+  mission.Move(farther_W);
+  EXPECT_EQ(mission.HomeIsDue(map, farther_W, Time(0s)), Budget::kDistance);
 }
 
 TEST(Mission, TimeForThePathHomeIsKeptToo) {
