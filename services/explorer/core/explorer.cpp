@@ -46,7 +46,7 @@ Explorer::Explorer(const Options& options)
     : options_(Checked(options)),
       knowledge_(KnowledgeOptions(options_)),
       mission_(MissionOptions(options_)),
-      going_back_(options_.robot),
+      going_back_(options_.robot, options_.loop),
       targets_(options_, knowledge_),
       errands_(options_),
       no_go_(NoGoOptions(options_)),
@@ -344,6 +344,7 @@ Task Explorer::LeaveNoGo(const RigidTransform& T_WB) {
 
 void Explorer::Abandon() {
   after_turn_.reset();
+  going_back_.GoesOn();
 }
 
 std::optional<Error> Explorer::CheckErrand(const Errand& errand, const RigidTransform& T_WB_reported,

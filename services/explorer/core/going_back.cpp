@@ -19,7 +19,7 @@ void GoingBack::GoesOn() {
 }
 
 bool GoingBack::gives_up() const {
-  return !robot_.turns_on_the_spot() || in_vain_ >= kMostInVain;
+  return !may_ || in_vain_ >= kMostInVain;
 }
 
 std::vector<Eigen::Vector3d> GoingBack::Track(const RigidTransform& T_WB, const PlanningMap& map) const {
@@ -46,7 +46,7 @@ std::vector<Eigen::Vector3d> GoingBack::WayToPathHome(const RigidTransform& T_WB
 
 bool GoingBack::LeadsToPathHome(const RigidTransform& T_WB, const PlanningMap& map,
                                 const HomePaths& home_paths) const {
-  return !gives_up() && !WayToPathHome(T_WB, map, home_paths).empty();
+  return may_ && !WayToPathHome(T_WB, map, home_paths).empty();
 }
 
 std::optional<Task> GoingBack::ToPathHome(const RigidTransform& T_WB, const PlanningMap& map,

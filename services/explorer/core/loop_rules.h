@@ -26,7 +26,7 @@ struct LoopRules {
   bool face_target = true;
   bool wait_at_shut_ways = true;  ///< Watches a way that was open and is shut before the end.
   /// Before the end, goes through gaps that are wide enough, but have no voxel's center in their middle, and
-  /// back through those by which it came.
+  /// back through those by which it came, also on its way home.
   bool go_tight_ways = true;
 };
 

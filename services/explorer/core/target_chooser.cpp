@@ -173,8 +173,7 @@ Task TargetChooser::DecideWithoutCandidates(const Moment& moment) {
     std::optional<Task> task = LookAtBar(search_.FindHidden(moment.knowledge).bars, moment);
     if (!task) task = WatchShutWay(FindShutWays(moment), moment);
     if (!task) task = GoTightWay(FindTightWays(moment), moment);
-    if (!task && options_.loop.go_tight_ways)
-      task = moment.going_back.ToMostOfSpace(moment.T_WB, moment.map(), moment.make);
+    if (!task) task = moment.going_back.ToMostOfSpace(moment.T_WB, moment.map(), moment.make);
     return task ? *std::move(task) : EndedShutIn(moment);
   }
   return EndOrLookAtBar(moment);

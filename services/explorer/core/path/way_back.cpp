@@ -50,6 +50,24 @@ bool Fits(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W, do
   return true;
 }
 
+/// The way from the beginning of a track to a place on it: the shortest path to the last place before it that
+/// one leads to, and from there along the track.
+std::vector<Eigen::Vector3d> ToTrack(const PlanningMap& map, const std::vector<Eigen::Vector3d>& track_W,
+                                     std::vector<Eigen::Vector3d>::const_iterator place) {
+  const VoxelIndex here = map.IndexOf(track_W.front());
+  PathSearch search;
+  auto joins = track_W.begin();
+  if (map.Traversable(here)) {
+    search.Flood(map, {{here, 0}});
+    joins = place;
+    while (!search.Reached(map.IndexOf(*joins))) --joins;
+  }
+  if (joins == track_W.begin()) return {joins, place + 1};
+  std::vector<Eigen::Vector3d> way_W = search.PathFrom(map, track_W.front(), map.IndexOf(*joins));
+  way_W.insert(way_W.end(), joins, place + 1);
+  return way_W;
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> TrackBack(const PlanningMap& map, const Eigen::Vector3d& p_W,
@@ -88,7 +106,7 @@ std::vector<Eigen::Vector3d> WayBack(const PlanningMap& map, const std::vector<E
     return map.Traversable(i) && leads_on(i);
   });
   if (place == track_W.end()) return {};
-  std::vector<Eigen::Vector3d> way_W(track_W.begin(), place + 1);
+  std::vector<Eigen::Vector3d> way_W = ToTrack(map, track_W, place);
   way_W.push_back(map.CenterOf(map.IndexOf(*place)));
   if (!Fits(map, way_W, radius)) {
     for (std::size_t n = 1; n < way_W.size(); ++n) way_W[n] = Fitting(map, way_W[n], radius);

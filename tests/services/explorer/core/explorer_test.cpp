@@ -142,11 +142,34 @@ TEST_P(ExplorerTest, ARobotThatComesNoNearerOnItsWayBackGivesUp) {
   EXPECT_EQ(test::EndOf(explorer.MakePlan(test::At(0.75, 0.65, 0.65), kStart)), Outcome::kNothingReachable);
 }
 
+TEST_P(ExplorerTest, AnOperatorsWordIsANewBeginningForARobotOnItsWayBack) {
+  options_.safety_margin = 0.1;
+  Explorer explorer = With(options_, CellAndRoom());
+  ComeIn(explorer);
+  for (int time = 0; time < 5; ++time) {
+    ASSERT_EQ(explorer.MakePlan(kHere, kStart).purpose, Purpose::kGoBack) << time;
+    explorer.Abandon();
+  }
+}
+
+TEST(Explorer, EndsWhenTheRobotGetsNowhereWhereItWouldInspectSurface) {
+  Explorer::Options options = test::GoingOptions();
+  options.strategy = Configure("surface");
+  Explorer explorer(options);
+  explorer.Update(test::ClosedRoom(test::kLongRoom), {}, kStart);
+  int plans = 0;
+  for (Time now = kStart; !explorer.MakePlan(kHere, now).ending && plans < 1000; now += 4s, ++plans)
+    explorer.DidNotGetThere(now);
+  EXPECT_LT(plans, 1000);
+}
+
 TEST_P(ExplorerTest, InThePrintedLoopNobodyGoesBack) {
   options_.safety_margin = 0.1;
   options_.loop.go_tight_ways = false;
   Explorer explorer = With(options_, CellAndRoom());
+  explorer.MakePlan(test::At(3.05, 0.65, 0.65), kStart);
   ComeIn(explorer);
+  EXPECT_TRUE(explorer.SendHome(kHere));
   EXPECT_EQ(test::EndOf(explorer.MakePlan(kHere, kStart)), Outcome::kNothingReachable);
 }
 

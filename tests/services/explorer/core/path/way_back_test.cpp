@@ -90,6 +90,17 @@ TEST(WayBack, LeadsBesideTheTrackWhereThatCameTooNear) {
               kBody - 1e-6);
 }
 
+TEST(WayBack, TakesTheShortestPathToThePassageHoweverTheRobotHasWandered) {
+  std::vector<RigidTransform> came = CameThrough();
+  for (int round = 0; round < 5; ++round) {
+    for (const double x : {0.25, 1.05})
+      came.insert(came.begin(), MakeTransform(Eigen::Matrix3d::Identity(), {x, 0.25, 0.65}));
+  }
+  const std::vector<Eigen::Vector3d> path_W = Back(CellAndHall(3), kInTheCell, came, kInTheHall);
+  ASSERT_FALSE(path_W.empty());
+  EXPECT_LT(PathLength(path_W), 1.2) << "of 1.1 m straight";
+}
+
 TEST(WayBack, MayTouchWhatTheBodyTouchesWhereItStands) {
   // At 0.05 m from the wall of the cell; from there it moves away.
   const Eigen::Vector3d near_W{0.55, 0.05, 0.65};
