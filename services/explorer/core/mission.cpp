@@ -8,8 +8,8 @@
 namespace thalweg::explorer {
 namespace {
 
-constexpr double kAtHome = 0.15;     // [m]
-constexpr double kLeastMove = 0.01;  // [m] Odometry trembles by less.
+constexpr double kAtHome = 0.15;      // [m]
+constexpr double kLeastMove = 0.005;  // [m] Odometry trembles by less.
 
 }  // namespace
 

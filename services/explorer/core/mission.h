@@ -24,7 +24,7 @@ class Mission {
   /// Throws std::invalid_argument naming the invalid option.
   explicit Mission(const Options& options);
 
-  /// Updates the robot's position, which adds to the distance traveled, in steps of 1 cm or more.
+  /// Updates the robot's position, which adds to the distance traveled, in steps of 5 mm or more.
   void Move(const Eigen::Vector3d& p_W);
   double distance() const { return distance_; }  ///< [m]
   /// Time used of the budget.
