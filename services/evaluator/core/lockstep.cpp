@@ -1,11 +1,15 @@
 #include "services/evaluator/core/lockstep.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "common/base/check.h"
 #include "common/geometry/attitude.h"
+#include "common/voxel/dense_grid.h"
+#include "common/voxel/moved_grid.h"
 #include "services/controller/core/retreat.h"
 #include "services/evaluator/core/contact_meter.h"
 #include "services/evaluator/core/run_sensor.h"
@@ -70,7 +74,11 @@ class Run {
       const bool ordered = loop_.Think(now_);
       const bool done = loop_.state() == explorer::LoopState::kDone;  // perhaps since it was last asked
       if ((ordered || done) && observe) observe(loop_.plan(), loop_.explorer(), T_WB_);
-      if (done) break;
+      if (done) {
+        // One that was flying when the last decision was made has yet to come to a stand.
+        while (speed_ > 0.0) Lead();
+        break;
+      }
       if (ordered && loop_.plan().kind == explorer::Plan::Kind::kGo) CountReversal(loop_.plan());
       if (controller_ != nullptr) {
         Lead();
@@ -129,14 +137,8 @@ class Run {
                            .changes = {changes.begin(), changes.end()},
                            .scans = {{.T_WC = T_WC, .measured = MeasuredShares::Of(cloud)}},
                            .stamp = now_};
-    const explorer::PlanningMap& planned = loop_.explorer().map();
-    for (const VoxelChange& change : news.changes) {
-      if (!planned.InBounds(change.voxel)) continue;
-      if (planned.State(change.voxel) != VoxelState::kUnknown) continue;
-      ++known_;
-      if (truth_ != nullptr && truth_->Observable(change.voxel)) ++observed_;
-    }
     TakeMap(news);
+    CountKnown(news.changes);
     ++result_.scans;
     last_scan_ = now_;
     result_.samples.push_back({Seconds(), result_.distance, T_WB_true_.translation(), known_, observed_});
@@ -209,6 +211,19 @@ class Run {
     contacts_.Move(p_W, travel + approach);
   }
 
+  /// Counts the voxels of which the mapper reports something for the first time. That the explorer takes the
+  /// robot's own space for free is no such report.
+  void CountKnown(const std::vector<VoxelChange>& changes) {
+    const explorer::PlanningMap& planned = loop_.explorer().map();
+    if (!(counted_.box() == planned.box())) counted_ = MovedTo(counted_, planned.box(), std::uint8_t{0});
+    for (const VoxelChange& change : changes) {
+      if (!planned.InBounds(change.voxel) || !counted_.box().Contains(change.voxel)) continue;
+      if (std::exchange(counted_[change.voxel], std::uint8_t{1}) != 0) continue;
+      ++known_;
+      if (truth_ != nullptr && truth_->Observable(change.voxel)) ++observed_;
+    }
+  }
+
   /// Lets the controller lead the robot for one time step.
   void Lead() {
     const explorer::ExplorationLoop::Order& order = *loop_.order();
@@ -220,6 +235,7 @@ class Run {
     if (motion.command) T_WB_ = motion.command->T_WB;
     T_WB_true_ = T_WB_;
     Moved((T_WB_.translation() - before_W).norm());
+    speed_ = motion.speed;
     const bool done = motion.state == controller::MotionState::kDone;
     const bool arrives = done && motion.path_id != arrived_at_;
     if (done) arrived_at_ = motion.path_id;
@@ -326,6 +342,8 @@ class Run {
   Eigen::Vector3d distant_W_;
   Time now_{};
   Time last_scan_{};
+  DenseGrid<std::uint8_t> counted_;  ///< Nonzero for the voxels in known_.
+  double speed_ = 0.0;               ///< [m/s] As the controller last reported it.
   std::size_t known_ = 0;
   std::size_t observed_ = 0;
   LockstepResult result_;

@@ -48,6 +48,18 @@ TEST_P(DynamicMotion, StaysWithinTheLimitsAndExploresAllWithoutACollision) {
   }
 }
 
+TEST(DynamicMotionThatEndsInFlight, GoesOnUntilItStands) {
+  const Scene scene("kitchen", {"robot.max_speed_mps=2", "robot.max_acceleration_mps2=3",
+                                "explorer.minimize=TIME", "explorer.distance_budget_m=4"});
+  const LockstepOptions options = scene.Options("cover", 1, PoseSource::kTruth, MotionModel::kDynamic);
+  mapper::OccupancyMap map(options.mapper);
+  const LockstepResult result = RunLockstep(scene.world(), scene.Start(1), options, map);
+  EXPECT_EQ(ToText(result.end), "distance budget");
+  const double step = options.robot.max_speed * options.time_step;
+  EXPECT_GT(result.distance, 4.0 + 2.0 * step) << "what it takes to brake";
+  EXPECT_LT(result.distance, 4.0 + 2.0 * step + 0.7);
+}
+
 TEST_P(DynamicMotion, KeepsTheJerkIfItIsLimited) {
   for (int seed = 1; seed <= 2; ++seed) {
     const LockstepResult result = Fly(std::get<0>(GetParam()), std::get<1>(GetParam()), seed, "30");
@@ -239,6 +251,18 @@ TEST(DrivingScene, HasOneTruthForAllItsStartsWhichIsTheLayerOfItsBody) {
     EXPECT_EQ(other.translation().z(), start.z());
     EXPECT_EQ(scene.Truth(other.translation()), truth);
   }
+}
+
+TEST(DrivingScene, CountsWhatIsSeenOfThePlacesWhereItsBodyWas) {
+  const Scene scene("flat_ground");
+  const RigidTransform start = scene.Start(1);
+  const auto truth = scene.Truth(start.translation());
+  const LockstepOptions options = scene.Options("closest", 1);
+  mapper::OccupancyMap map(options.mapper);
+  const LockstepResult result = RunLockstep(scene.world(), start, options, map, {}, truth.get());
+  const double observed = static_cast<double>(result.samples.back().observed);
+  EXPECT_DOUBLE_EQ(observed / static_cast<double>(truth->observable_count()),
+                   Judge(result, map.grid(), *truth).coverage);
 }
 
 TEST(DrivingScene, IsExploredFromAMast) {
