@@ -109,6 +109,7 @@ Player::Player(const McapReader& reader, const PlayerOptions& options, dds::Bus&
       start_(StartOf(reader, options)),
       status_out_(bus.Advertise<topics::ReplayStatus>()),
       playback_(start_, options.rate),
+      begins_paused_(options.paused),
       standing_at_(start_) {
   selection_.start = start_;
   AddOutputs();
@@ -243,21 +244,32 @@ void Player::Steer(Change change) {
   bus_.Post([this] { PublishStatus(); });
 }
 
+void Player::Move(bool run, Steady::time_point now) {
+  if (!has_begun_) {
+    begins_paused_ = !run;
+    return;
+  }
+  if (run) return playback_.Resume(now);
+  KeepLateness(now);
+  playback_.Pause(now);
+}
+
 void Player::Pause() {
-  Steer([&](Steady::time_point now) {
-    KeepLateness(now);
-    playback_.Pause(now);
-  });
+  Steer([&](Steady::time_point now) { Move(false, now); });
 }
 
 void Player::Resume() {
-  Steer([&](Steady::time_point now) { playback_.Resume(now); });
+  Steer([&](Steady::time_point now) { Move(true, now); });
 }
 
 void Player::Toggle() {
+  Steer([&](Steady::time_point now) { Move(has_begun_ ? !playback_.running() : begins_paused_, now); });
+}
+
+void Player::Begin() {
   Steer([&](Steady::time_point now) {
-    KeepLateness(now);
-    playback_.running() ? playback_.Pause(now) : playback_.Resume(now);
+    has_begun_ = true;
+    if (!begins_paused_) playback_.Resume(now);
   });
 }
 
@@ -315,7 +327,7 @@ void Player::Run(const std::stop_token& stop) {
       }
     });
     const RealTime on_time;
-    if (!options_.paused) Resume();
+    Begin();
     Play(ended.get_token());
     Pause();
   }

@@ -138,6 +138,9 @@ class Player {
   std::string RateRange() const;
   /// Before a pause or another rate, from which on nothing is late: keeps how late the next message is.
   void KeepLateness(Steady::time_point now);
+  /// Lets time pass, or not; before Run has begun, from its beginning on.
+  void Move(bool run, Steady::time_point now);
+  void Begin();
   /// Wakes the thread of Run and says what is new.
   template <class Change>
   void Steer(Change change);
@@ -156,9 +159,11 @@ class Player {
   double late_square_sum_ = 0.0;
   Time next_clock_;
 
-  mutable std::mutex mutex_;  ///< Guards the next seven.
+  mutable std::mutex mutex_;  ///< Guards the next nine.
   std::condition_variable_any changed_;
   PlaybackClock playback_;
+  bool has_begun_ = false;  ///< Whether Run has.
+  bool begins_paused_;
   std::optional<Time> seek_to_;      ///< A seek that the thread of Run has yet to see.
   std::optional<Time> standing_at_;  ///< While readers are being given their state, no time passes.
   std::uint64_t steered_ = 0;        ///< Counts changes.

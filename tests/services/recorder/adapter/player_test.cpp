@@ -285,6 +285,19 @@ TEST_F(PlayerTest, WithoutThatItEndsAndSaysSo) {
   playing.join();
 }
 
+TEST_F(PlayerTest, WhatIsCommandedWhileItWaitsForReadersHoldsWhenItBegins) {
+  player.emplace(recording.reader(), PlayerOptions{.name = "a.mcap", .stay = true}, bus);
+  ASSERT_TRUE(player->AwaitReaders(kPatience));
+  player->Pause();
+  playing = std::jthread([this](const std::stop_token& stop) { player->Run(stop); });
+  ASSERT_TRUE(reader.Joins());
+  reader.Send(REPLAY_SEEK, kBegin + 5s);
+  ASSERT_TRUE(reader.UntilStatus([](const auto& status) { return NowIn(status) == 5s; }));
+  EXPECT_TRUE(reader.statuses.back().paused());
+  ASSERT_TRUE(reader.Until([&] { return !reader.positions.empty(); }));
+  EXPECT_THAT(reader.positions, testing::ElementsAre(testing::DoubleEq(4.9))) << "nothing was played";
+}
+
 TEST_F(PlayerTest, WhatMakesNoSenseIsRefusedWithItsReasonAndChangesNothing) {
   Play({.paused = true});
   ASSERT_TRUE(reader.UntilStatus([](const auto& status) { return status.paused(); }));
