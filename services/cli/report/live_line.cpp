@@ -86,7 +86,11 @@ std::string LiveLine(const LiveState& state, std::size_t columns) {
   if (state.collisions && *state.collisions > 0) line += fmt::format("{} COLLISIONS  ", *state.collisions);
   const char* before = "no ";
   for (const std::string& source : state.unheard) line += std::exchange(before, ", ") + source;
-  if (!state.unheard.empty()) line += state.activity.empty() ? " yet" : ": ";
+  if (!state.unheard.empty() && !state.activity.empty()) {
+    line += ": ";
+  } else if (!state.unheard.empty()) {
+    line += state.trouble.empty() ? " yet" : " yet; ";
+  }
   if (!state.trouble.empty()) line += state.trouble + (state.activity.empty() ? "" : "; ");
   if (state.left) line += AboutText(*state.left) + " left: ";
   if (!state.stop.empty()) line += "robot stopped: " + state.stop + (state.activity.empty() ? "" : "; ");

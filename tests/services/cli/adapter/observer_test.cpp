@@ -39,7 +39,10 @@ class ObserverTest : public testing::Test {
     });
     Drive([this] {
       return map_out_.readers() == 1 && odometry_out_.readers() == 1 && status_out_.readers() == 1 &&
-             motion_out_.readers() == 1;
+             motion_out_.readers() == 1 &&
+             // A sample that is written before the reader has found its writer, too, is lost.
+             bus_.Writers<topics::MapUpdates>() == 1 && bus_.Writers<topics::Odometry>() == 1 &&
+             bus_.Writers<topics::ExplorationStatus>() == 1 && bus_.Writers<topics::MotionStatus>() == 1;
     });
   }
 

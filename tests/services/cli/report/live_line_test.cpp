@@ -89,6 +89,9 @@ TEST(LiveLine, SaysWhatIsMissing) {
   LiveState state;
   state.unheard = {"pose", "controller"};
   EXPECT_TRUE(LiveLine(state, 200).ends_with("  no pose, controller yet"));
+  state.trouble = "nobody publishes rt/odometry";
+  EXPECT_TRUE(LiveLine(state, 200).ends_with("  no pose, controller yet; nobody publishes rt/odometry"));
+  state.trouble = "";
   state.unheard = {"controller"};
   state.activity = "going 3.0 m";
   EXPECT_TRUE(LiveLine(state, 200).ends_with("  no controller: going 3.0 m"));
