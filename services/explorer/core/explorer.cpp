@@ -46,7 +46,7 @@ Explorer::Explorer(const Options& options)
     : options_(Checked(options)),
       knowledge_(KnowledgeOptions(options_)),
       mission_(MissionOptions(options_)),
-      going_back_(options_.robot, options_.loop),
+      going_back_(options_),
       targets_(options_, knowledge_),
       errands_(options_),
       no_go_(NoGoOptions(options_)),
@@ -97,6 +97,7 @@ void Explorer::ShiftTimes(Duration back) {
   updated_ -= back;
   knowledge_.memory().ShiftTimes(back);
   targets_.ShiftTimes(back);
+  going_back_.ShiftTimes(back);
 }
 
 void Explorer::See(const CameraView& seen) {
@@ -212,7 +213,7 @@ Plan Explorer::MakePlan(const RigidTransform& T_WB_reported, Time now, double sp
     task = Explore(T_WB, now);
     if (mission_.returns_home() && task->plan.ending) {
       mission_.TurnHome(*task->plan.ending);
-      task = GoHome(T_WB);
+      task = GoHome(T_WB, now);
     }
   }
   return FinishPlan(*std::move(task), whole.Milliseconds());
@@ -248,13 +249,13 @@ std::optional<Task> Explorer::Duty(const RigidTransform& T_WB, Time now) {
   if (const std::optional<Budget> spent = BudgetSpent(now)) return Ended(OutcomeOf(*spent));
   if (std::optional<Task> kept = ResumeAfterTurn(T_WB)) return kept;
   // A robot that has arrived at home stays there, even if a box was drawn around it meanwhile.
-  if (mission_.homeward() && mission_.EndingAtHome(p_W)) return GoHome(T_WB);
+  if (mission_.homeward() && mission_.EndingAtHome(p_W)) return GoHome(T_WB, now);
   if (no_go_.robot_inside()) return LeaveNoGo(T_WB);
   if (!mission_.homeward()) {
     if (const auto budget = mission_.HomeIsDue(map(), p_W, now))
       mission_.TurnHome({.outcome = OutcomeOf(*budget)});
   }
-  return mission_.homeward() ? std::optional(GoHome(T_WB)) : std::nullopt;
+  return mission_.homeward() ? std::optional(GoHome(T_WB, now)) : std::nullopt;
 }
 
 Task Explorer::Explore(const RigidTransform& T_WB, Time now) {
@@ -317,13 +318,13 @@ Task Explorer::LookForSpace(const RigidTransform& T_WB) {
   return turn ? *std::move(turn) : Ended(Outcome::kNoFreeSpace);
 }
 
-Task Explorer::GoHome(const RigidTransform& T_WB) {
+Task Explorer::GoHome(const RigidTransform& T_WB, Time now) {
   const Eigen::Vector3d p_W = T_WB.translation();
   if (std::optional<Ending> ending = mission_.EndingAtHome(p_W)) return Ended(*std::move(ending));
   const std::vector<Eigen::Vector3d> path_W = mission_.home_paths().PathFrom(map(), p_W);
   std::optional<Task> task;
   if (path_W.empty()) {
-    task = going_back_.ToPathHome(T_WB, map(), mission_.home_paths(), maker());
+    task = going_back_.ToPathHome(T_WB, now, map(), mission_.home_paths(), maker());
   } else {
     going_back_.GoesOn();
     task = maker().Follow(Purpose::kGoHome, maker().Smoothed(path_W), T_WB.linear(), T_WB);

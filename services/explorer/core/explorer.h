@@ -183,7 +183,7 @@ class Explorer {
   Plan FinishPlan(Task task, double milliseconds);
   /// The path out of the no-go boxes that the robot stands in; an ending when there is none.
   Task LeaveNoGo(const RigidTransform& T_WB);
-  Task GoHome(const RigidTransform& T_WB);
+  Task GoHome(const RigidTransform& T_WB, Time now);
   Task LookForSpace(const RigidTransform& T_WB);
   /// The kept plan, if it is still valid.
   std::optional<Task> ResumeAfterTurn(const RigidTransform& T_WB);

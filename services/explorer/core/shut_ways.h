@@ -13,6 +13,9 @@
 
 namespace thalweg::explorer {
 
+/// How long a robot that watches such a way looks before it decides again.
+inline constexpr Duration kBetweenLooksAtShutWay = std::chrono::seconds(1);
+
 /// Finds ways that were open and are shut now, such as a door that somebody has closed: space that the robot
 /// could once reach, which is still free, but no longer connected with it. In a world that does not change
 /// there is none, apart from what a noisy sensor took for a gap.

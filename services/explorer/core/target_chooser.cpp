@@ -21,7 +21,6 @@ constexpr double kMostLeft = 0.01;
 /// [m] What bars a path lies within this distance beside the body.
 constexpr double kBesideABar = 0.5;
 constexpr double kElsewhere = 0.1;  // [m] So far away, there may be room to turn where there was none.
-constexpr Duration kBetweenLooks = std::chrono::seconds(1);  // at a way that is shut
 
 void CheckRobot(const RobotModel& robot, const ConfiguredStrategy& strategy) {
   const std::optional<RobotMisfit> misfit = MisfitOf(robot, strategy.name);
@@ -266,7 +265,7 @@ std::optional<Task> TargetChooser::WatchShutWay(const std::vector<ShutWays::Way>
     }
     if (task->plan.kind == Plan::Kind::kLook) {
       shut_ways_.Watch(way, moment.now);
-      task->plan.dwell = kBetweenLooks;
+      task->plan.dwell = kBetweenLooksAtShutWay;
     }
     if (!shut_ways_.MayWatch(way)) continue;
     task->plan.purpose = Purpose::kWatchShutWay;

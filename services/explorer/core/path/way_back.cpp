@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "common/voxel/for_each_voxel.h"
@@ -15,6 +16,7 @@ constexpr double kMostAside = 0.5;     // [voxels] That a way leads beside it,
 constexpr double kAsideStep = 0.05;    // [voxels] and by how much at least.
 constexpr double kSpare = 0.05;        // [voxels]
 constexpr double kJustTouches = 1e-6;  // [m]
+constexpr std::ptrdiff_t kBeyond = 6;  // places of a track: three voxels
 
 /// The place nearest to one on the track at which the body fits with a little to spare for what lies between;
 /// that one if there is none.
@@ -81,6 +83,18 @@ std::vector<Eigen::Vector3d> TrackBack(const PlanningMap& map, const Eigen::Vect
     for (int n = 1; n <= steps; ++n) track_W.push_back(from_W + (to_W - from_W) * n / steps);
   }
   return track_W;
+}
+
+std::optional<ShutTrack> FindShut(const PlanningMap& map, const std::vector<Eigen::Vector3d>& track_W) {
+  const VoxelIndex here = map.IndexOf(track_W.front());
+  if (!map.Traversable(here)) return std::nullopt;
+  PathSearch search;
+  search.Flood(map, {{here, 0}});
+  const auto reached = [&](const Eigen::Vector3d& p_W) { return search.Reached(map.IndexOf(p_W)); };
+  const auto earliest = std::ranges::find_if(track_W.rbegin(), track_W.rend(), reached);
+  const auto further = std::min(earliest - track_W.rbegin(), kBeyond);
+  if (further == 0) return std::nullopt;
+  return ShutTrack{search.PathFrom(map, track_W.front(), map.IndexOf(*earliest)), *(earliest - further)};
 }
 
 std::optional<PathSearch> MostOfSpaceOn(const std::vector<Eigen::Vector3d>& track_W, const PlanningMap& map) {

@@ -19,6 +19,14 @@ namespace thalweg::explorer {
 std::vector<Eigen::Vector3d> TrackBack(const PlanningMap& map, const Eigen::Vector3d& p_W,
                                        std::span<const RigidTransform> came);
 
+/// Where the way by which a robot came is shut.
+struct ShutTrack {
+  std::vector<Eigen::Vector3d> path_W;  ///< [m] To the earliest place on its track that a path leads to.
+  Eigen::Vector3d beyond_W;             ///< [m] On its track, a little further back.
+};
+/// Nothing if the robot does not fit where it stands, or a path leads to where its track begins.
+std::optional<ShutTrack> FindShut(const PlanningMap& map, const std::vector<Eigen::Vector3d>& track_W);
+
 /// The part of the space in which a robot fits that is at least half of it, flooded from the newest place of
 /// its track that lies in it; nothing if none does.
 std::optional<PathSearch> MostOfSpaceOn(const std::vector<Eigen::Vector3d>& track_W, const PlanningMap& map);

@@ -184,7 +184,27 @@ TEST_P(ExplorerTest, ARobotOnItsWayHomeThatIsShutInGoesBackTheWayItCame) {
   EXPECT_EQ(explorer.MakePlan(kHere, kStart).purpose, Purpose::kGoBack);
 
   explorer.Update(test::BoxOf(kHole, VoxelState::kOccupied), {}, kStart);
-  EXPECT_EQ(test::EndOf(explorer.MakePlan(kHere, kStart)), Outcome::kNoPathHome);
+  Plan plan = explorer.MakePlan(kHere, kStart);
+  EXPECT_EQ(plan.kind, Plan::Kind::kGo) << "to where the way is shut";
+  ASSERT_EQ(plan.purpose, Purpose::kWatchShutWay);
+  const RigidTransform before = plan.T_WBs.back();
+  EXPECT_GT(before.translation().x(), 1.3);
+  EXPECT_GT(before.linear().col(0).x(), 0.99) << "it faces the hole at x = 1.6 m";
+
+  const auto watch_from = [&](Time begin) {
+    int seconds = 0;
+    for (; seconds < 100; ++seconds) {
+      plan = explorer.MakePlan(before, begin + seconds * 1s);
+      if (plan.ending) break;
+      EXPECT_EQ(plan.kind, Plan::Kind::kLook);
+      EXPECT_EQ(plan.purpose, Purpose::kWatchShutWay);
+    }
+    return seconds;
+  };
+  EXPECT_EQ(watch_from(kStart), 31);
+  EXPECT_EQ(test::EndOf(plan), Outcome::kNoPathHome);
+  explorer.Update(test::BoxOf(kHole, VoxelState::kFree), {}, kStart);
+  EXPECT_EQ(explorer.MakePlan(before, kStart + 60s).purpose, Purpose::kGoHome) << "it is open again";
 }
 
 TEST_P(ExplorerTest, ARobotSentHomeFromBeyondATightPassageGoesBackThroughIt) {

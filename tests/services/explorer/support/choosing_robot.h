@@ -64,7 +64,7 @@ struct ChoosingRobot {
   RigidTransform T_WB;
   Knowledge knowledge{KnowledgeOptions(options)};
   Mission mission{MissionOptions(options)};
-  GoingBack going_back{options.robot, options.loop};
+  GoingBack going_back{options};
   TargetChooser chooser{options, knowledge};
   StageTimings timings;
 };

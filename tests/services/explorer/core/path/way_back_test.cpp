@@ -144,6 +144,18 @@ TEST(WayBack, OfACylinderLeadsWhereItsHeightFitsWithoutItsMargin) {
   }
 }
 
+TEST(FindShut, LeadsToWhereTheTrackLeavesWhatIsReached) {
+  const std::optional<ShutTrack> shut =
+      FindShut(CellAndHall(0), TrackBack(CellAndHall(0), kInTheCell, CameThrough()));
+  ASSERT_TRUE(shut);
+  EXPECT_EQ(shut->path_W.front(), kInTheCell);
+  EXPECT_NEAR(shut->path_W.back().x(), 1.0, 0.06) << "0.2 m before the wall at 1.2 m";
+  EXPECT_NEAR(shut->beyond_W.x(), shut->path_W.back().x() + 0.3, 0.11);
+  PlanningMap open = CellAndHall(0);
+  open.Apply(test::BoxOf({{12, 0, 0}, {14, 13, 13}}, VoxelState::kFree));
+  EXPECT_FALSE(FindShut(open, TrackBack(open, kInTheCell, CameThrough())));
+}
+
 TEST(MostOfSpaceOn, IsFloodedFromThePartOfTheTrackThatLiesInIt) {
   const PlanningMap map = CellAndHall(3);
   const std::optional<PathSearch> most = MostOfSpaceOn(TrackBack(map, kInTheCell, CameThrough()), map);
