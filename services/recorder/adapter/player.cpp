@@ -263,7 +263,7 @@ void Player::Resume() {
 }
 
 void Player::Toggle() {
-  Steer([&](Steady::time_point now) { Move(has_begun_ ? !playback_.running() : begins_paused_, now); });
+  Steer([&](Steady::time_point now) { Move(paused(), now); });
 }
 
 void Player::Begin() {
@@ -310,7 +310,11 @@ Player::Progress Player::progress() const {
   const Time begin = *reader_.start();
   const Time end = *reader_.end();
   const Time now = standing_at_.value_or(playback_.At(Steady::now()));
-  return {begin, end, std::clamp(now, begin, end), playback_.rate(), !playback_.running()};
+  return {begin, end, std::clamp(now, begin, end), playback_.rate(), paused()};
+}
+
+bool Player::paused() const {
+  return has_begun_ ? !playback_.running() : begins_paused_;
 }
 
 void Player::Run(const std::stop_token& stop) {

@@ -74,7 +74,7 @@ class Player {
   struct Progress {
     Time begin, end, now;  ///< Log times; all before `now` is published.
     double rate = 1.0;
-    bool paused = false;
+    bool paused = false;  ///< Before Run has begun: whether it begins paused.
   };
   Progress progress() const;
 
@@ -138,6 +138,8 @@ class Player {
   std::string RateRange() const;
   /// Before a pause or another rate, from which on nothing is late: keeps how late the next message is.
   void KeepLateness(Steady::time_point now);
+  /// What Progress says; the caller holds mutex_.
+  bool paused() const;
   /// Lets time pass, or not; before Run has begun, from its beginning on.
   void Move(bool run, Steady::time_point now);
   void Begin();
