@@ -52,21 +52,36 @@ bool Fits(const PlanningMap& map, const std::vector<Eigen::Vector3d>& path_W, do
   return true;
 }
 
+using Place = std::vector<Eigen::Vector3d>::const_iterator;
+
+/// Paths from where a robot stands, and the place furthest back on its track that one leads to.
+struct Reach {
+  PathSearch search;
+  Place furthest;
+};
+
+/// Looks no further back than `last`. The robot must fit where it stands.
+Reach ReachOn(const PlanningMap& map, const std::vector<Eigen::Vector3d>& track_W, Place last) {
+  Reach reach{.search = {}, .furthest = last};
+  reach.search.Flood(map, {{map.IndexOf(track_W.front()), 0}});
+  while (!reach.search.Reached(map.IndexOf(*reach.furthest))) --reach.furthest;
+  return reach;
+}
+
+std::vector<Eigen::Vector3d> PathTo(const Reach& reach, const PlanningMap& map,
+                                    const std::vector<Eigen::Vector3d>& track_W) {
+  return reach.search.PathFrom(map, track_W.front(), map.IndexOf(*reach.furthest));
+}
+
 /// The way from the beginning of a track to a place on it: the shortest path to the last place before it that
 /// one leads to, and from there along the track.
 std::vector<Eigen::Vector3d> ToTrack(const PlanningMap& map, const std::vector<Eigen::Vector3d>& track_W,
-                                     std::vector<Eigen::Vector3d>::const_iterator place) {
-  const VoxelIndex here = map.IndexOf(track_W.front());
-  PathSearch search;
-  auto joins = track_W.begin();
-  if (map.Traversable(here)) {
-    search.Flood(map, {{here, 0}});
-    joins = place;
-    while (!search.Reached(map.IndexOf(*joins))) --joins;
-  }
-  if (joins == track_W.begin()) return {joins, place + 1};
-  std::vector<Eigen::Vector3d> way_W = search.PathFrom(map, track_W.front(), map.IndexOf(*joins));
-  way_W.insert(way_W.end(), joins, place + 1);
+                                     Place place) {
+  if (!map.Traversable(map.IndexOf(track_W.front()))) return {track_W.begin(), place + 1};
+  const Reach reach = ReachOn(map, track_W, place);
+  if (reach.furthest == track_W.begin()) return {track_W.begin(), place + 1};
+  std::vector<Eigen::Vector3d> way_W = PathTo(reach, map, track_W);
+  way_W.insert(way_W.end(), reach.furthest, place + 1);
   return way_W;
 }
 
@@ -86,15 +101,11 @@ std::vector<Eigen::Vector3d> TrackBack(const PlanningMap& map, const Eigen::Vect
 }
 
 std::optional<ShutTrack> FindShut(const PlanningMap& map, const std::vector<Eigen::Vector3d>& track_W) {
-  const VoxelIndex here = map.IndexOf(track_W.front());
-  if (!map.Traversable(here)) return std::nullopt;
-  PathSearch search;
-  search.Flood(map, {{here, 0}});
-  const auto reached = [&](const Eigen::Vector3d& p_W) { return search.Reached(map.IndexOf(p_W)); };
-  const auto earliest = std::ranges::find_if(track_W.rbegin(), track_W.rend(), reached);
-  const auto further = std::min(earliest - track_W.rbegin(), kBeyond);
+  if (!map.Traversable(map.IndexOf(track_W.front()))) return std::nullopt;
+  const Reach reach = ReachOn(map, track_W, track_W.end() - 1);
+  const auto further = std::min(track_W.end() - 1 - reach.furthest, kBeyond);
   if (further == 0) return std::nullopt;
-  return ShutTrack{search.PathFrom(map, track_W.front(), map.IndexOf(*earliest)), *(earliest - further)};
+  return ShutTrack{PathTo(reach, map, track_W), *(reach.furthest + further)};
 }
 
 std::optional<PathSearch> MostOfSpaceOn(const std::vector<Eigen::Vector3d>& track_W, const PlanningMap& map) {
