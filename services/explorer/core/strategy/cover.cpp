@@ -85,14 +85,12 @@ class Places {
 void Visit(OptionVisitor& visitor, Cover::Options& options) {
   visitor.Block("cover", [&](OptionVisitor& cover) {
     cover.Number("eagerness", options.eagerness);
-    cover.Number("hysteresis", options.hysteresis);
     cover.Number("least_yield_m2_per_m", options.least_yield);
   });
 }
 
 Cover::Cover(const Options& options) : options_(options) {
   if (!(options.eagerness >= 0.0)) throw std::invalid_argument("eagerness must be >= 0");
-  if (!(options.hysteresis >= 0.0)) throw std::invalid_argument("hysteresis must be >= 0");
   if (!(options.least_yield >= 0.0)) throw std::invalid_argument("least_yield must be >= 0");
 }
 
@@ -273,7 +271,6 @@ Choice Cover::ChooseByTour(const Situation& situation, double far) {
       }));
   const double length = static_cast<double>(std::max(former.size(), kLongTour)) / kLongTour;
   Tour tour = search.Improved(former, static_cast<int>(kIterations / (length * length * length)));
-  if (search.Cost(former) <= (1.0 + options_.hysteresis) * search.Cost(tour)) tour = former;
   const bool sees_anything = !tour.empty();
   tour = search.WorthItsPath(std::move(tour));
   formers_.clear();

@@ -7,7 +7,6 @@
 #include "common/base/option_visitor.h"
 #include "common/voxel/grid_order.h"
 #include "services/explorer/core/strategy/cover_stops.h"
-#include "services/explorer/core/strategy/flow.h"
 #include "services/explorer/core/strategy/strategy.h"
 
 namespace thalweg::explorer {
@@ -21,8 +20,8 @@ namespace thalweg::explorer {
 ///   2. Items are samples of all clusters. Rays from them outward cross the positions that may see them; in
 ///      each cell of a lattice the voxel crossed by most rays is a position to consider. Near an item,
 ///      unknown voxels do not block the sight: they are likely to be the same pocket.
-///   3. The tour should be short, and show early what is much: see Flow for the weights. The previous tour is
-///      the first guess, and is kept unless another is clearly better.
+///   3. The tour should be short, and show early what is much: see Flow for the weights. The search
+///      begins with the previous tour.
 ///   4. What lies at the end of a path of more than 10 m is planned for by zones (ZoneStops), and one by one
 ///      when the robot comes near, before it matters which position shows it.
 ///   5. Stops, alone or in a row, that cost more path than what they show is worth are left out. When no stop
@@ -35,9 +34,7 @@ namespace thalweg::explorer {
 class Cover final : public Strategy {
  public:
   struct Options {
-    double eagerness = 2.0;  ///< [m] Tour length accepted in order to see everything one meter earlier.
-    /// A tour replaces the previous one only if its cost is lower by this share.
-    double hysteresis = Flow::Options{}.hysteresis;
+    double eagerness = 2.0;     ///< [m] Tour length accepted in order to see everything one meter earlier.
     double least_yield = 0.15;  ///< [m^2/m] Area that is worth a meter of path. 0 = any is.
   };
   /// Throws std::invalid_argument naming the invalid option.

@@ -130,9 +130,9 @@ TEST_F(CoverAmongSpecks, WhereTimeCountsItLooksOnTheWayRatherThanBackAndForth) {
   PutSpecks({{1, 15, 6}, {60, 4, 6}});
   Situation timed = situation();
   timed.time = TimedRobot{RobotModel{}, Eigen::Matrix3d::Identity()};
-  timed.time->model.max_turn_rate = 0.2;
+  timed.time->model.max_turn_rate = 0.1;
   const Choice choice = Cover({.least_yield = 0.0}).Choose(timed);
-  EXPECT_THAT(choice.target, testing::ElementsAre(VoxelIndex{60, 4, 6})) << "a turn back takes 16 s";
+  EXPECT_THAT(choice.target, testing::ElementsAre(VoxelIndex{60, 4, 6})) << "a turn back takes half a minute";
   ASSERT_TRUE(choice.R_WB) << "the view belongs to the choice";
   const Eigen::Vector3d offset_W = map_.CenterOf({60, 4, 6}) - map_.EyeAt(choice.path_W.back());
   EXPECT_TRUE(timed.views.Shows(*choice.R_WB, {{60, 4, 6}, offset_W}));
@@ -143,7 +143,6 @@ TEST_F(CoverAmongSpecks, WhereTimeCountsItLooksOnTheWayRatherThanBackAndForth) {
 
 TEST(Cover, RefusesOptionsThatMakeNoSense) {
   EXPECT_THROW(Cover({.eagerness = -1.0}), std::invalid_argument);
-  EXPECT_THROW(Cover({.hysteresis = -0.1}), std::invalid_argument);
   EXPECT_THROW(Cover({.least_yield = std::nan("")}), std::invalid_argument);
 }
 
