@@ -76,7 +76,7 @@ class VisualOdometry {
     double doubtful_share = 0.05;  ///< this share of the distance from it.
     /// Factor on the solver's covariance, which is too small: landmarks are adjusted together with the poses,
     /// so that their errors are not independent as the solver assumes. Measured on rendered sequences.
-    double covariance_factor = 1.8;
+    double covariance_factor = 1.6;
     /// Further factor on the variance from keyframe to keyframe, where points are fewest and the motion is
     /// largest. Measured likewise.
     double chain_factor = 2.0;
